@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, KindError
+from freebody.errors import FreebodyError
 from freebody.identification.columns import (
     LOST_ROTOR,
     USUAL_LAWS,
@@ -20,13 +18,19 @@ from freebody.identification.columns import (
     regression_columns,
 )
 from freebody.identification.filters import EVERYTHING
+from freebody.identification.given_logs import (
+    Logs,
+    has_springs,
+    read_logs,
+    require_joints,
+    torques_of,
+)
 from freebody.identification.identification import (
     Identification,
     IdentifiedParameter,
     JointFit,
 )
 from freebody.identification.logs.log import Log
-from freebody.identification.logs.read_log import read_log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
@@ -54,8 +58,6 @@ _SMALL = 0.05
 """Part of the largest parameter of its kind below which a parameter counts as small."""
 _DETERMINED = 1e-6
 """Part of an inertial parameter that no motion shows, below which it is determined."""
-
-Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 
 def identify(
@@ -114,7 +116,8 @@ def identify(
     PassiveJointError, UnknownNameError
     """
     require_model("identify", model)
-    used, unseen = _read("logs", logs, model), _read("validate", validate, model)
+    used = read_logs("identify", "logs", logs, model)
+    unseen = read_logs("identify", "validate", validate, model)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
@@ -122,7 +125,7 @@ def identify(
     columns = kept(model, key, regression_columns, model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen):
-        _require_joints(log, columns)
+        require_joints("identify", log, columns.joints)
     found, first = _solved(model, columns, used, held, cutoff, smooth)
     columns, by_current = found.columns, found.currents
     scaled = held.source != "geometry" or not by_current
@@ -155,15 +158,6 @@ def identify(
     )
 
 
-def _read(argument: str, given: Logs, model: Model) -> list[Log]:
-    """Logs, those that are files read."""
-    several = [given] if isinstance(given, Log | str | os.PathLike) else list(given)
-    for x in several:
-        if not isinstance(x, Log | str | os.PathLike):
-            raise KindError("identify", argument, x, "a log of fb.read_log, or its file")
-    return [x if isinstance(x, Log) else read_log(x, model) for x in several]
-
-
 def _solved(
     model: Model,
     columns: Columns,
@@ -173,7 +167,7 @@ def _solved(
     smooth: float | None,
 ) -> tuple[LogEquations, Regressed]:
     """The equations of logs, of torques or of currents, and their regression."""
-    torques = [_torques(model, log) for log in logs]
+    torques = [torques_of(model, log) for log in logs]
     by_current = any(x is None for x in torques)
     _require_alike(model, logs, by_current)
     given = None if by_current else [x for x in torques if x is not None]
@@ -187,28 +181,6 @@ def _solved(
     return found, regressed(found, of_prior, None if by_current else start)
 
 
-def _require_joints(log: Log, columns: Columns) -> None:
-    if tuple(log.names) != columns.joints:
-        raise FreebodyError(
-            f"identify: the log {log.source!r} is of joints {', '.join(log.names)}, expected those "
-            f"of the model in its order: {', '.join(columns.joints)}. Read it with the model: "
-            f"fb.read_log(path, model)."
-        )
-
-
-def _torques(model: Model, log: Log) -> Array | None:
-    """A log's torques (n, joints) without those of the model's springs, or None."""
-    if log.torque is None:
-        return None
-    bare = model.without("friction", "rotors")
-    unsprung = bare.without("springs")
-    if bare == unsprung:
-        return log.torque
-    rest = np.zeros_like(log.position)
-    sprung = inverse_dynamics(bare, log.position, rest, rest)
-    return log.torque - (sprung - inverse_dynamics(unsprung, log.position, rest, rest))
-
-
 def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
     if not by_current:
         return
@@ -218,8 +190,7 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
                 "identify: some logs have torques and others currents alone; give torque constants "
                 "for these, in the TOML file beside the log, or logs of one kind."
             )
-    bare = model.without("friction", "rotors")
-    if bare != bare.without("springs"):
+    if has_springs(model):
         raise FreebodyError(
             f"identify: {model.name!r} has springs, whose torques are known, and the logs have "
             f"currents with unknown gains; give torque constants in the TOML file beside the log."
@@ -252,7 +223,7 @@ def _validated(
 
 
 def _predicted_torques(model: Model, log: Log, gains: Array | None) -> Array:
-    torques = _torques(model, log)
+    torques = torques_of(model, log)
     if torques is not None:
         return torques
     if log.current is None or gains is None:
