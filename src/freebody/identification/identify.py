@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.identification.advice import what_next
 from freebody.identification.columns import (
     LOST_ROTOR,
     USUAL_LAWS,
@@ -17,6 +18,8 @@ from freebody.identification.columns import (
     friction_laws,
     regression_columns,
 )
+from freebody.identification.drift import drift_notices, friction_drift
+from freebody.identification.evidence import LogFit, log_fits
 from freebody.identification.filters import EVERYTHING
 from freebody.identification.given_logs import (
     Logs,
@@ -127,13 +130,15 @@ def identify(
     for log in (*used, *unseen):
         require_joints("identify", log, columns.joints)
     found, first = _solved(model, columns, used, held, cutoff, smooth)
+    drift = friction_drift(found, first)
     columns, by_current = found.columns, found.currents
     scaled = held.source != "geometry" or not by_current
     fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
     if columns.by_load:
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
-    checked = _validated(columns, model, unseen, gains, fit, cutoff)
+    checked, fits = _validated(columns, model, unseen, gains, fit, cutoff)
+    own = np.ones(model.nv) if gains is None else gains
     joints = _joint_fits(found, first, fit, gains, checked)
     parameters = _parameters(model, columns, first, fit, joints)
     made = robot(model, columns, fit, mass_doubts(held, scaled))
@@ -141,6 +146,7 @@ def identify(
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
     notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
+    notices += drift_notices(drift)
     return Identification(
         made,
         parameters,
@@ -155,6 +161,9 @@ def identify(
         outcome,
         verdict_of(outcome, joints, scaled, held),
         tuple(notices),
+        drift,
+        what_next(parameters, joints, drift, outcome, scaled),
+        (*log_fits(found, fit.values, own, False), *fits),
     )
 
 
@@ -210,16 +219,18 @@ def _validated(
     gains: Array | None,
     fit: PhysicalFit,
     cutoff: float,
-) -> list[float | None]:
-    """RMS of what the model leaves of unseen logs, over that of the torque, joint by joint."""
+) -> tuple[list[float | None], tuple[LogFit, ...]]:
+    """RMS of what the model leaves of unseen logs, over that of the torque, joint by joint; and
+    these logs beside its predictions."""
     if not logs:
-        return [None] * len(columns.joints)
+        return [None] * len(columns.joints), ()
     torques = [_predicted_torques(model, log, gains) for log in logs]
     found = equations(columns, logs, torques, cutoff)
     if columns.by_load:
         found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
-    return [float(_rms(rows.y - total) / _rms(rows.y)) for rows, total in pairs]
+    left: list[float | None] = [_rms(rows.y - total) / _rms(rows.y) for rows, total in pairs]
+    return left, log_fits(found, fit.values, np.ones(len(left)), True)
 
 
 def _predicted_torques(model: Model, log: Log, gains: Array | None) -> Array:
