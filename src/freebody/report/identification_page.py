@@ -230,21 +230,26 @@ def _shown_words(fit: LogFit | None) -> str:
     part = ""
     if fit.time[-1] - fit.time[0] > _SHOWN:
         part = f" The first {_SHOWN:.0f} s of {fit.time[-1] - fit.time[0]:.0f} s."
-    return f"{fit.source}, {what}.{part}"
+    return f"{fit.source.removeprefix('read from ')}, {what}.{part}"
 
 
 def torques(
     found: Identification, fit: LogFit, units: dict[str, str]
 ) -> Iterator[CaptionedDrawing]:
-    """Plots of measured and predicted torques of each joint, and of what is left."""
+    """Plots of measured and predicted torques of each joint, and below of what is left."""
     part = fit.time <= fit.time[0] + _SHOWN
     for j, x in enumerate(found.joints):
         measured, predicted = fit.measured[part, j], fit.predicted[part, j]
         if np.isnan(measured).all():
             continue
-        curves = {"measured": measured, "predicted": predicted, "left": measured - predicted}
-        what = Plot(x.joint, fit.time[part], curves, units[x.joint], peaks=False)
-        yield CaptionedDrawing(plot(what).text(css=False))
+        left = {"left": measured - predicted}
+        for title, curves in (
+            (x.joint, {"measured": measured, "predicted": predicted}),
+            (f"{x.joint}: what is left", left),
+        ):
+            named = len(curves) > 1
+            what = Plot(title, fit.time[part], curves, units[x.joint], peaks=False, names=named)
+            yield CaptionedDrawing(plot(what).text(css=False))
 
 
 def friction(found: Identification, units: dict[str, str]) -> Iterator[CaptionedDrawing]:
@@ -277,7 +282,8 @@ def _over_rates(rate: Array, values: dict[str, Array]) -> tuple[Array, dict[str,
             if k:
                 bins = np.array_split(np.arange(len(way)), min(_BINS, len(way)))
                 at = [float(rate[way][b].mean()) for b in bins]
-                own = np.interp(rate[way], at, [float(x[way][b].mean()) for b in bins])
+                means = [float(x[way][b].mean()) for b in bins]
+                own = np.interp(rate[way], at, means, left=np.nan, right=np.nan)
             ways.append(own)
         curves[name] = np.concatenate([ways[0], [np.nan], ways[1]])
     return t, curves
