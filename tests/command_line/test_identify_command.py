@@ -73,7 +73,7 @@ def test_a_payload_and_collisions_are_told_beside_a_robot(
     assert found["collisions"]["collisions"] == []
     assert "Payload" in Path("found/index.html").read_text(encoding="utf-8")
     carrying = fb.load("found/loaded.toml")
-    assert fb.parameters(carrying)["payload.mass"] == pytest.approx(mass["in_model"])
+    assert fb.parameters(carrying)["payload.mass"].value == pytest.approx(mass["in_model"])
 
 
 def test_what_was_not_validated_is_a_finding(
