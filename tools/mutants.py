@@ -115,7 +115,16 @@ AREAS = (
     Area(
         "identification",
         ("identification/*.py", "identification/logs/*.py"),
-        ("logs", "broken_logs", "excitation", "identify", "identify_command"),
+        (
+            "logs",
+            "broken_logs",
+            "excitation",
+            "identify",
+            "identify_payload",
+            "collisions",
+            "friction_drift",
+            "identify_command",
+        ),
     ),
     Area(
         "design",

@@ -51,10 +51,14 @@ from freebody.formats.loading import load as load
 from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
 from freebody.formats.templates import template as template
+from freebody.identification.collisions import DetectedCollisions as DetectedCollisions
+from freebody.identification.collisions import detect_collisions as detect_collisions
 from freebody.identification.excitation import Excitation as Excitation
 from freebody.identification.excitation import excitation as excitation
 from freebody.identification.identification import Identification as Identification
+from freebody.identification.identified_payload import IdentifiedPayload as IdentifiedPayload
 from freebody.identification.identify import identify as identify
+from freebody.identification.identify_payload import identify_payload as identify_payload
 from freebody.identification.logs.log import Log as Log
 from freebody.identification.logs.read_log import read_log as read_log
 from freebody.inverse.inverse_kinematics import inverse_kinematics as inverse_kinematics

@@ -54,6 +54,28 @@ def test_a_robot_is_identified_from_files_and_saved(
     assert [x["validation"] < 0.1 for x in found["joints"]] == [True, True]
 
 
+def test_a_payload_and_collisions_are_told_beside_a_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    arm = fb.load("2R").with_drive("joint1", viscous=0.4, coulomb=0.3, rotor=0.05)
+    written_log(Path("run.csv"), arm, 0)
+    written_log(Path("loaded.csv"), arm.with_payload(0.6, com=[0.02, 0.0]), 1)
+    words = ["identify", "2R", "run.csv", "--validate", "run.csv", "--payload-of", "loaded.csv"]
+    words += ["--collisions-in", "run.csv", "--friction", "viscous, coulomb", "--out", "found"]
+    assert run(words) == 0
+    said = capsys.readouterr().out
+    assert "The load at tip weighs 0.6" in said or "The load at tip weighs 0.5" in said
+    assert "No collision shows" in said
+    found = json.loads(Path("found/identification.json").read_text(encoding="utf-8"))
+    mass = found["payload"]["numbers"][0]
+    assert mass["value"] == pytest.approx(0.6, rel=0.05)
+    assert found["collisions"]["collisions"] == []
+    assert "Payload" in Path("found/index.html").read_text(encoding="utf-8")
+    carrying = fb.load("found/loaded.toml")
+    assert fb.parameters(carrying)["payload.mass"].value == pytest.approx(mass["in_model"])
+
+
 def test_what_was_not_validated_is_a_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

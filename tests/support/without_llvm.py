@@ -178,6 +178,12 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "identify": lambda: fb.identify(
             two, simulated(two, np.random.default_rng(0)), friction=["viscous"]
         ),
+        "identify_payload": lambda: fb.identify_payload(
+            two, simulated(two, np.random.default_rng(0)), friction=["viscous"]
+        ),
+        "detect_collisions": lambda: fb.detect_collisions(
+            two, simulated(two, np.random.default_rng(0))
+        ),
         "notes_figure": lambda: fb.notes_figure("1.1"),
         "the kernel's text": lambda: kernel.source,
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -52,6 +53,18 @@ def identify(
     rotors: Annotated[
         bool, typer.Option(help="Whether the drives' rotors have unknown inertias.")
     ] = True,
+    payload_of: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LOG",
+            help="A log of the same robot with a load at its tip, whose mass, centre and inertia "
+            "are then told.",
+        ),
+    ] = None,
+    collisions_in: Annotated[
+        str | None,
+        typer.Option(metavar="LOG", help="A log that is searched for collisions."),
+    ] = None,
     layout: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="The TOML file that tells the logs' columns."),
@@ -59,7 +72,9 @@ def identify(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="Folder for the robot (model.toml), the report, and it as JSON."
+            metavar="DIR",
+            help="Folder for the page (index.html), the robot (model.toml), the report, and it as "
+            "JSON.",
         ),
     ] = None,
 ) -> None:
@@ -69,13 +84,18 @@ def identify(
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
     made from. 1: it does not, there are none, or the scale of its masses is not told. 2: bad input.
     """
+    from freebody.identification.collisions import detect_collisions
     from freebody.identification.identify import identify as identified
+    from freebody.identification.identify_payload import identify_payload
     from freebody.identification.result_files import write_results
+    from freebody.report.identification_page import identification_page
 
     with terminal.progress("reading"):
         model = robot.load()
         used = [_log(text, model, layout, 0) for text in logs]
         unseen = [_log(text, model, layout, 1) for text in validate or ()]
+        loaded = [_log(text, model, layout, 2) for text in payload_of or ()]
+        searched = None if collisions_in is None else _log(collisions_in, model, layout, 3)
     given: dict[str, Any] = {}
     if friction is not None:
         given["friction"] = [name.strip() for name in friction.split(",")]
@@ -83,14 +103,29 @@ def identify(
         given["prior"] = numbers.values("--masses", masses)
     with terminal.progress("identify"):
         found = identified(model, used, validate=unseen, rotors=rotors, **given)
+        known = {"gains": found.gains if found.scale_known else None}
+        load = pushes = None
+        if loaded:
+            laws = {k: x for k, x in given.items() if k == "friction"}
+            load = identify_payload(found.model, loaded, used, **known, **laws)
+        if searched is not None:
+            pushes = detect_collisions(found.model, searched, gains=found.gains)
     console = terminal.out()
     style = "bold green" if found.trusted else "bold red"
     console.print(found.verdict, style=style, soft_wrap=True, markup=False)
     terminal.table(found._table())
     for notice in found.notices:
         console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
+    for more in (load, pushes):
+        if more is not None:
+            console.print(more.verdict, style="bold", soft_wrap=True, markup=False)
+            terminal.table(more._table())
+            for notice in more.notices:
+                console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
     if out is not None:
-        for path in write_results(found, out, [*logs, *(validate or ())]):
+        names = [*logs, *(validate or ()), *(payload_of or ()), collisions_in or ""]
+        page = partial(identification_page, found, load, pushes)
+        for path in write_results(found, out, [x for x in names if x], page, load, pushes):
             console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
     console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
     if not found.trusted:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from freebody.outputs.number_text import weighted_sum
 
 _ROUNDING = 1e-9
 """Part of the largest weight of a sum below which a weight is rounding."""
+
+if TYPE_CHECKING:
+    from freebody.identification.drift import FrictionDrift
+    from freebody.identification.evidence import LogFit
 
 IdentificationOutcome = Literal["predicts", "fails", "not validated"]
 
@@ -84,7 +88,13 @@ class Identification(Tabled, ByValue):
     from."""
     verdict: str
     notices: tuple[str, ...]
-    _aside = ("verdict", "notices")
+    drift: tuple[FrictionDrift, ...] = ()
+    """Friction of each joint block by block of time, where it is a notable part of the torque."""
+    next: tuple[str, ...] = ()
+    """What to measure next, so that more is told."""
+    fits: tuple[LogFit, ...] = ()
+    """The logs beside what the model predicts, those to validate with last."""
+    _aside = ("verdict", "notices", "drift", "next", "fits")
 
     @property
     def trusted(self) -> bool:
@@ -136,7 +146,7 @@ class Identification(Tabled, ByValue):
     def lines(self) -> list[str]:
         """The identification in words and tables, line by line."""
         table = self._table()
-        lines = [self._title(), "", *_aligned([table.head, *table.rows]), ""]
+        lines = [self._title(), "", *aligned_rows([table.head, *table.rows]), ""]
         head = ("parameter", "value", "95 %", "in the model", "unit", "")
         rows = [
             (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
@@ -145,8 +155,11 @@ class Identification(Tabled, ByValue):
         sums = [
             (x.name, f"= {self.written(x.name)}") for x in self.parameters if x.kind == "inertial"
         ]
-        lines += [*_aligned([head, *rows]), "", "Base parameters are sums:", *_aligned(sums), ""]
-        return [*lines, self.verdict, *self.notices]
+        lines += [*aligned_rows([head, *rows]), "", "Base parameters are sums:"]
+        lines += [*aligned_rows(sums), "", self.verdict, *self.notices]
+        if self.next:
+            lines += ["", "What to measure next:", *self.next]
+        return lines
 
 
 def _interval(x: IdentifiedParameter) -> str:
@@ -157,7 +170,8 @@ def _remark(x: IdentifiedParameter) -> str:
     return x.withdrawn or ("" if x.told else "not told by these motions")
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+def aligned_rows(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table of texts, its columns below one another."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

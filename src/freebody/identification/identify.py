@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, KindError
+from freebody.errors import FreebodyError
+from freebody.identification.advice import what_next
 from freebody.identification.any_friction import BaseEstimate, with_any_friction
 from freebody.identification.columns import (
     LOST_ROTOR,
@@ -20,14 +19,22 @@ from freebody.identification.columns import (
     friction_laws,
     regression_columns,
 )
+from freebody.identification.drift import drift_notices, friction_drift
+from freebody.identification.evidence import LogFit, log_fits
 from freebody.identification.filters import EVERYTHING
+from freebody.identification.given_logs import (
+    Logs,
+    has_springs,
+    read_logs,
+    require_joints,
+    torques_of,
+)
 from freebody.identification.identification import (
     Identification,
     IdentifiedParameter,
     JointFit,
 )
 from freebody.identification.logs.log import Log
-from freebody.identification.logs.read_log import read_log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
@@ -55,8 +62,6 @@ _SMALL = 0.05
 """Part of the largest parameter of its kind below which a parameter counts as small."""
 _DETERMINED = 1e-6
 """Part of an inertial parameter that no motion shows, below which it is determined."""
-
-Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 
 def identify(
@@ -115,7 +120,8 @@ def identify(
     PassiveJointError, UnknownNameError
     """
     require_model("identify", model)
-    used, unseen = _read("logs", logs, model), _read("validate", validate, model)
+    used = read_logs("identify", "logs", logs, model)
+    unseen = read_logs("identify", "validate", validate, model)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
@@ -123,15 +129,17 @@ def identify(
     columns = kept(model, key, regression_columns, model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen):
-        _require_joints(log, columns)
+        require_joints("identify", log, columns.joints)
     found, first = _solved(model, columns, used, held, cutoff, smooth)
+    drift = friction_drift(found, first)
     columns, by_current = found.columns, found.currents
     scaled = held.source != "geometry" or not by_current
     fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
     if columns.by_load:
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
-    checked = _validated(columns, model, unseen, gains, fit, cutoff)
+    checked, fits = _validated(columns, model, unseen, gains, fit, cutoff)
+    own = np.ones(model.nv) if gains is None else gains
     base = with_any_friction(found, first)
     joints = _joint_fits(found, first, fit, gains, checked, base.accident)
     parameters = _parameters(model, columns, first, base, fit, joints)
@@ -141,6 +149,7 @@ def identify(
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
     notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
     notices.append(definiteness(near_edge(model, fit)))
+    notices += drift_notices(drift)
     return Identification(
         made,
         parameters,
@@ -155,16 +164,10 @@ def identify(
         outcome,
         verdict_of(outcome, joints, scaled, held),
         tuple(notices),
+        drift,
+        what_next(parameters, joints, drift, outcome, scaled),
+        (*log_fits(found, fit.values, own, False), *fits),
     )
-
-
-def _read(argument: str, given: Logs, model: Model) -> list[Log]:
-    """Logs, those that are files read."""
-    several = [given] if isinstance(given, Log | str | os.PathLike) else list(given)
-    for x in several:
-        if not isinstance(x, Log | str | os.PathLike):
-            raise KindError("identify", argument, x, "a log of fb.read_log, or its file")
-    return [x if isinstance(x, Log) else read_log(x, model) for x in several]
 
 
 def _solved(
@@ -176,7 +179,7 @@ def _solved(
     smooth: float | None,
 ) -> tuple[LogEquations, Regressed]:
     """The equations of logs, of torques or of currents, and their regression."""
-    torques = [_torques(model, log) for log in logs]
+    torques = [torques_of(model, log) for log in logs]
     by_current = any(x is None for x in torques)
     _require_alike(model, logs, by_current)
     given = None if by_current else [x for x in torques if x is not None]
@@ -190,28 +193,6 @@ def _solved(
     return found, regressed(found, of_prior, None if by_current else start)
 
 
-def _require_joints(log: Log, columns: Columns) -> None:
-    if tuple(log.names) != columns.joints:
-        raise FreebodyError(
-            f"identify: the log {log.source!r} is of joints {', '.join(log.names)}, expected those "
-            f"of the model in its order: {', '.join(columns.joints)}. Read it with the model: "
-            f"fb.read_log(path, model)."
-        )
-
-
-def _torques(model: Model, log: Log) -> Array | None:
-    """A log's torques (n, joints) without those of the model's springs, or None."""
-    if log.torque is None:
-        return None
-    bare = model.without("friction", "rotors")
-    unsprung = bare.without("springs")
-    if bare == unsprung:
-        return log.torque
-    rest = np.zeros_like(log.position)
-    sprung = inverse_dynamics(bare, log.position, rest, rest)
-    return log.torque - (sprung - inverse_dynamics(unsprung, log.position, rest, rest))
-
-
 def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
     if not by_current:
         return
@@ -221,8 +202,7 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
                 "identify: some logs have torques and others currents alone; give torque constants "
                 "for these, in the TOML file beside the log, or logs of one kind."
             )
-    bare = model.without("friction", "rotors")
-    if bare != bare.without("springs"):
+    if has_springs(model):
         raise FreebodyError(
             f"identify: {model.name!r} has springs, whose torques are known, and the logs have "
             f"currents with unknown gains; give torque constants in the TOML file beside the log."
@@ -242,20 +222,22 @@ def _validated(
     gains: Array | None,
     fit: PhysicalFit,
     cutoff: float,
-) -> list[float | None]:
-    """RMS of what the model leaves of unseen logs, over that of the torque, joint by joint."""
+) -> tuple[list[float | None], tuple[LogFit, ...]]:
+    """RMS of what the model leaves of unseen logs, over that of the torque, joint by joint; and
+    these logs beside its predictions."""
     if not logs:
-        return [None] * len(columns.joints)
+        return [None] * len(columns.joints), ()
     torques = [_predicted_torques(model, log, gains) for log in logs]
     found = equations(columns, logs, torques, cutoff)
     if columns.by_load:
         found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
-    return [float(_rms(rows.y - total) / _rms(rows.y)) for rows, total in pairs]
+    left: list[float | None] = [_rms(rows.y - total) / _rms(rows.y) for rows, total in pairs]
+    return left, log_fits(found, fit.values, np.ones(len(left)), True)
 
 
 def _predicted_torques(model: Model, log: Log, gains: Array | None) -> Array:
-    torques = _torques(model, log)
+    torques = torques_of(model, log)
     if torques is not None:
         return torques
     if log.current is None or gains is None:

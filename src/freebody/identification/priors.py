@@ -88,7 +88,7 @@ def _rods(model: Model, masses: Array) -> Array:
     rows = []
     for m, v, r in zip(masses, to_next, radius, strict=True):
         second = m * (np.outer(v, v) / 3.0 + r**2 / 4.0 * np.eye(len(v)))
-        rows.append(_parameters(m, 0.5 * m * v, second))
+        rows.append(of_moments(m, 0.5 * m * v, second))
     return np.array(rows)
 
 
@@ -98,13 +98,13 @@ def _spread(model: Model, masses: Array) -> Array:
     radius = _THICK * _lengths(model)
     return np.array(
         [
-            _parameters(0.0, zero, m * r**2 * np.eye(model.dim))
+            of_moments(0.0, zero, m * r**2 * np.eye(model.dim))
             for m, r in zip(masses, radius, strict=True)
         ]
     )
 
 
-def _parameters(m: float, h: Array, second: Array) -> Array:
+def of_moments(m: float, h: Array, second: Array) -> Array:
     """A body's parameters from mass, first moment and second moments about its origin."""
     if len(h) == 2:
         return np.array([m, *h, np.trace(second)])

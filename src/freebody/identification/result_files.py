@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,22 +12,45 @@ from typing import Any
 import numpy as np
 
 from freebody.formats.writing import toml
-from freebody.identification.identification import Identification
+from freebody.identification.collisions import DetectedCollisions
+from freebody.identification.identification import Identification, aligned_rows
+from freebody.identification.identified_payload import IdentifiedPayload
 from freebody.outputs.folder import write_folder
 
-MODEL, REPORT, DATA = "model.toml", "report.txt", "identification.json"
+PAGE, MODEL, REPORT, DATA = "index.html", "model.toml", "report.txt", "identification.json"
+LOADED = "loaded.toml"
 
 
 def write_results(
-    found: Identification, directory: str | os.PathLike[str], logs: Sequence[str]
+    found: Identification,
+    directory: str | os.PathLike[str],
+    logs: Sequence[str],
+    page: Callable[[], str],
+    payload: IdentifiedPayload | None = None,
+    collisions: DetectedCollisions | None = None,
 ) -> list[Path]:
-    """The paths of the files of an identification in a folder: the robot, the report, the data; and
-    the manifest. logs: names of those it was made from."""
-    makers = {
+    """The paths of the files of an identification in a folder: the page, the robot, the report, the
+    data; of a load that was looked for the robot that carries it; and the manifest. logs: names of
+    those it was made from."""
+    more = [x for x in (payload, collisions) if x is not None]
+    data = as_data(found)
+    if payload is not None:
+        data["payload"] = payload_data(payload)
+    if collisions is not None:
+        data["collisions"] = collision_data(collisions)
+
+    def report() -> str:
+        texts = ["\n".join([*found.lines()]), *map(text_of, more)]
+        return "\n\n".join(texts) + "\n"
+
+    makers: dict[str, Callable[[], str | bytes]] = {
+        PAGE: page,
         MODEL: lambda: toml.written(found.model)[0],
-        REPORT: lambda: "\n".join(found.lines()) + "\n",
-        DATA: lambda: json.dumps(as_data(found), indent=1, ensure_ascii=False) + "\n",
+        REPORT: report,
+        DATA: lambda: json.dumps(data, indent=1, ensure_ascii=False) + "\n",
     }
+    if payload is not None:
+        makers[LOADED] = lambda: toml.written(payload.model)[0]
     about = {"robot": found.model.name, "logs": ", ".join(map(str, logs))}
     return write_folder(directory, makers, about)
 
@@ -50,8 +73,44 @@ def as_data(found: Identification) -> dict[str, Any]:
             ],
             "prior_alone": list(found.prior_alone),
             "prior_weight": found.prior_weight,
+            "drift": [asdict(x) for x in found.drift],
+            "next": list(found.next),
         }
     )
+
+
+def payload_data(found: IdentifiedPayload) -> dict[str, Any]:
+    """An identified load as numbers, texts, lists and dicts."""
+    return _plain(
+        {
+            "frame": found.frame,
+            "verdict": found.verdict,
+            "outcome": found.outcome,
+            "numbers": [asdict(x) for x in found.numbers],
+            "friction": [asdict(x) for x in found.friction],
+            "unexplained": found.unexplained,
+            "notices": list(found.notices),
+        }
+    )
+
+
+def collision_data(found: DetectedCollisions) -> dict[str, Any]:
+    """Collisions as numbers, texts, lists and dicts."""
+    return _plain(
+        {
+            "verdict": found.verdict,
+            "joints": list(found.names),
+            "threshold": found.threshold,
+            "collisions": [asdict(x) for x in found.collisions],
+            "notices": list(found.notices),
+        }
+    )
+
+
+def text_of(found: IdentifiedPayload | DetectedCollisions) -> str:
+    """A load or collisions in words and a table."""
+    own = found._table()
+    return "\n".join([*aligned_rows([own.head, *own.rows]), "", *own.notes])
 
 
 def _plain(x: Any) -> Any:

@@ -72,16 +72,20 @@ def page(study: Study) -> str:
 
 
 def rendered(template: str, *, study: Study | CycleStudy, **words: Any) -> str:
+    """The HTML text of a page of a study, from its template."""
+    doubts = {doubt.kind: doubt.of.bars for doubt in study.verdict.doubts}
+    return filled(template, study=study, doubts=doubts, **words)
+
+
+def filled(template: str, **words: Any) -> str:
     """The HTML text of a page, from its template: with the policy, colours and rules for paper that
-    all pages of studies have."""
+    all pages have."""
     return legal(
         _templates()
         .get_template(template)
         .render(
             policy=Markup(policy()),
             sheets=Markup(SHEETS),
-            study=study,
-            doubts={doubt.kind: doubt.of.bars for doubt in study.verdict.doubts},
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),

@@ -1,0 +1,57 @@
+"""What to measure next, so that an identification tells what it does not tell yet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from freebody.identification.drift import FrictionDrift
+from freebody.identification.identification import (
+    IdentificationOutcome,
+    IdentifiedParameter,
+    JointFit,
+)
+
+
+def what_next(
+    parameters: Sequence[IdentifiedParameter],
+    joints: Sequence[JointFit],
+    drift: Sequence[FrictionDrift],
+    outcome: IdentificationOutcome,
+    scaled: bool,
+) -> tuple[str, ...]:
+    """Sentences on logs and numbers that would tell more, the most useful first."""
+    found = []
+    if not scaled:
+        found.append(
+            "Give a mass that is known, or a torque constant: without one all masses are right up "
+            "to one factor. A weight at the tip, weighed beforehand, tells it."
+        )
+    if outcome == "not validated":
+        found.append(
+            "Log one more motion, unlike these, and give it to be predicted (validate=, "
+            "--validate): what a model leaves of its own logs is no proof."
+        )
+    if outcome == "fails":
+        found.append(
+            "Log motions that are more like those to be predicted: the same speeds, postures and "
+            "temperature."
+        )
+    untold = [x.name for x in parameters if x.kind == "inertial" and not x.told]
+    if untold:
+        found.append(
+            f"Log a motion of fb.excitation, which tells {', '.join(untold[:6])}"
+            f"{' and others' if len(untold) > 6 else ''} as well as the limits allow."
+        )
+    wrong = [x.joint for x in joints if not x.law_fits]
+    if wrong:
+        found.append(
+            f"Log slow moves both ways of {', '.join(wrong)} at many constant rates, and try other "
+            f"laws of friction (friction=), such as Stribeck's."
+        )
+    warm = [x.joint for x in drift if x.significant]
+    if warm:
+        found.append(
+            f"Log again once {', '.join(warm)} {'is' if len(warm) == 1 else 'are'} as warm as at "
+            f"work: friction changed meanwhile."
+        )
+    return tuple(found)

@@ -1,0 +1,342 @@
+"""`fb.identify_payload`: what an arm carries, from its logs with the load and without.
+
+A load on a link adds to the base parameters β what its own mass, first moment and inertia π add,
+β + K π. The logs of each kind give β with friction of their own, so that a drive that has warmed up
+in between does not pass for a mass; their difference gives π (Khalil, Gautier, Lemoine 2007).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.identification.columns import (
+    USUAL_LAWS,
+    Columns,
+    friction_laws,
+    regression_columns,
+)
+from freebody.identification.consistency import Physical, nearest_physical, pseudo_inertia_basis
+from freebody.identification.drift import FrictionChange, friction_change
+from freebody.identification.filters import EVERYTHING
+from freebody.identification.given_logs import (
+    Logs,
+    read_logs,
+    require_joints,
+    torques_of,
+    with_torques,
+)
+from freebody.identification.identified_payload import (
+    DENSITY,
+    IdentifiedPayload,
+    PayloadNumber,
+    PayloadOutcome,
+    payload_notices,
+    payload_verdict,
+)
+from freebody.identification.logs.log import Log
+from freebody.identification.priors import of_moments
+from freebody.identification.regression import LogEquations, Regressed, equations, regressed, suited
+from freebody.identification.verdict import QUANTILE
+from freebody.lazy import kept
+from freebody.model.inertial_parameters import body_parameters
+from freebody.model.model import Model
+from freebody.model.model_argument import require_model
+from freebody.spatial import of_dimension
+from freebody.trees.regressors import inertial_parameters
+
+_UNLIKELY = 1e-4
+"""Probability below which logs that differ by more than a load on this frame do so by no
+accident."""
+_PART_OF_NOISE = 0.05
+"""Part of the number of the load's parameters by which chi2 may grow for the prior."""
+_NOTHING = 1e-7
+"""Part of the largest sensitivity (per kg, kg m, kg m²) below which a parameter has no effect."""
+_RANK, _PART = 1e-10, 1e-6
+"""Part of the largest eigenvalue below which a combination of the load's parameters is told by
+nothing, and part of a parameter (squared) in one, above which it is not told either."""
+
+
+class _Evidence(NamedTuple):
+    """What logs say of base parameters, whatever friction was: an estimate (b,) and its information
+    (b, b), the inverse of its covariance."""
+
+    base: Array
+    information: Array
+
+
+class _Load(NamedTuple):
+    """An unconstrained estimate of a load's parameters π (k,), its information and covariance,
+    which of them are untold, and how far the data are from it: chi2 with its degrees of freedom."""
+
+    estimate: Array
+    information: Array
+    covariance: Array
+    untold: NDArray[np.bool_]
+    chi2: float
+    freedom: int
+
+
+def identify_payload(
+    model: Model,
+    loaded: Logs,
+    empty: Logs | None = None,
+    *,
+    frame: str | None = None,
+    friction: Sequence[str] | Mapping[str, Any] = USUAL_LAWS,
+    gains: Any = None,
+    cutoff: float = EVERYTHING,
+    name: str = "payload",
+) -> IdentifiedPayload:
+    """The mass, centre and inertia of what an arm carries, with intervals, from logs with it and
+    without it, whose motions need not be the same.
+
+    Friction is estimated anew in the logs of each kind, so that drives may warm up in between.
+    Without logs of the empty arm the model's masses and rotors count as known; their errors are
+    then in the load, and the verdict says where they show. Method: Khalil, Gautier, Lemoine 2007;
+    a load that a body can have: Lee, Wensing, Park 2020.
+
+    Parameters
+    ----------
+    model
+        The robot, an arm on a fixed base; with logs of the empty arm its geometry alone counts.
+    loaded, empty
+        `fb.Log` or files of `fb.read_log`, one or several: with the load, and without it.
+    frame
+        That the load is fixed to, in whose axes its numbers are; default: the tip.
+    friction
+        Laws of friction, as of `fb.identify`.
+    gains
+        Of the drives (n,), N m/A (N/A), for logs of currents, such as `fb.identify` found.
+    cutoff
+        Frequency (Hz) up to which columns and torques are compared.
+    name
+        The load's in the model, which its numbers begin with.
+
+    Returns
+    -------
+    IdentifiedPayload
+        Its `model` carries the load.
+
+    Raises
+    ------
+    FreebodyError
+        Logs too short, or in which a joint rests; a frame that no joint moves; a model without
+        masses, and no logs of the empty arm.
+    """
+    function = "identify_payload"
+    require_model(function, model)
+    laws = friction_laws(friction)
+    columns = kept(model, f"_regression_columns {laws} True", regression_columns, model, laws, True)
+    given = None if gains is None else np.broadcast_to(np.asarray(gains, float), (model.nv,))
+
+    def logs_of(argument: str, logs: Logs) -> list[Log]:
+        found = read_logs(function, argument, logs, model)
+        for log in found:
+            require_joints(function, log, columns.joints)
+        return [with_torques(function, log, given) for log in found]
+
+    carried = logs_of("loaded", loaded)
+    bare = [] if empty is None else logs_of("empty", empty)
+    if not carried or (empty is not None and not bare):
+        raise FreebodyError(f"{function}: loaded= and empty= need at least one log each.")
+    combine = columns.matrix @ _on_frame(model, frame, columns)
+    with_load = _regression(model, columns, carried, cutoff)
+    evidence = _evidence(*with_load)
+    changes: tuple[FrictionChange, ...] = ()
+    if bare:
+        without = _regression(model, columns, bare, cutoff)
+        changes = friction_change(*without, *with_load)
+        of_arm = _evidence(*without)
+        both = np.linalg.pinv(of_arm.information + evidence.information, hermitian=True)
+        shared = of_arm.information @ both @ evidence.information
+        load = _load(combine, evidence.base - of_arm.base, 0.5 * (shared + shared.T))
+    else:
+        load = _load(combine, evidence.base - _known(model, columns), evidence.information)
+    return _result(model, frame, name, load, changes, [*carried, *bare], not bare)
+
+
+def _regression(
+    model: Model, columns: Columns, logs: Sequence[Log], cutoff: float
+) -> tuple[LogEquations, Regressed]:
+    torques = [x for x in (torques_of(model, log) for log in logs) if x is not None]
+    columns, start = suited(columns, logs, torques, cutoff, None)
+    found = equations(columns, logs, torques, cutoff)
+    return found, regressed(found, None, start)
+
+
+def _evidence(found: LogEquations, x: Regressed) -> _Evidence:
+    b, information = found.columns.base, x.information
+    across = information[:b, b:]
+    left = across @ np.linalg.pinv(information[b:, b:], hermitian=True) @ across.T
+    return _Evidence(x.values[:b], information[:b, :b] - left)
+
+
+def _known(model: Model, columns: Columns) -> Array:
+    """Base parameters (b,) of the model as it is."""
+    own: dict[str, Any] = dict(inertial_parameters(model))
+    known = [float(own.get(name, 0.0)) for name in columns.inertial_names]
+    if not any(known):
+        raise FreebodyError(
+            f"identify_payload: {model.name!r} has no masses; give empty=, logs without the load, "
+            f"or a model that fb.identify has found."
+        )
+    return columns.matrix @ known
+
+
+def _on_frame(model: Model, frame: str | None, columns: Columns) -> Array:
+    """(p, k): by how much a load's parameters, in the axes of a frame, change those of the arm;
+    from particles, whose own parameters are known."""
+    at, size = model.frame(frame), len(body_parameters(of_dimension(model.dim)))
+    if at.body < 0:
+        raise FreebodyError(
+            f"identify_payload: no joint moves the frame {at.name!r}; name one of a link that "
+            f"carries the load, frame=."
+        )
+    bare = model.without("friction", "rotors", "springs")
+    before: dict[str, Any] = dict(inertial_parameters(bare))
+    places = np.random.default_rng(0).uniform(-1.0, 1.0, (size, model.dim))
+    own = np.array([of_moments(1.0, c, np.outer(c, c)) for c in places])
+    added = []
+    for c in places:
+        carrying = bare.with_payload(1.0, com=c, frame=at.name)
+        after: dict[str, Any] = dict(inertial_parameters(carrying))
+        added.append(
+            [float(after.get(x, 0.0) - before.get(x, 0.0)) for x in columns.inertial_names]
+        )
+    return np.asarray(np.linalg.solve(own, np.array(added)).T, dtype=float)
+
+
+def _load(combine: Array, difference: Array, information: Array) -> _Load:
+    """The load that explains a difference of base parameters best."""
+    M = combine.T @ information @ combine
+    size = np.sqrt(np.maximum(np.diag(M), 0.0))
+    size = np.where(size > _NOTHING * size.max(), size, np.inf)
+    eigenvalues, vectors = np.linalg.eigh(M / np.outer(size, size))
+    told = eigenvalues > _RANK * eigenvalues[-1]
+    ways = vectors[:, told] / size[:, None]
+    covariance = (ways / eigenvalues[told]) @ ways.T
+    estimate = covariance @ (combine.T @ information @ difference)
+    gap = combine @ estimate - difference
+    untold = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
+    return _Load(
+        estimate,
+        M,
+        covariance,
+        untold,
+        float(gap @ information @ gap),
+        max(len(combine) - int(told.sum()), 1),
+    )
+
+
+def _numbers(pi: Array) -> Array:
+    """Mass, centre, and inertia about it, of a load's parameters π (k,), which may be complex."""
+    m, dim = pi[0], 2 if len(pi) == 4 else 3
+    h = pi[1 : 1 + dim]
+    if dim == 2:
+        return np.array([m, *(h / m), pi[3] - (h @ h) / m])
+    square = (h @ h) / m
+    steiner = [(square if i == j else 0.0) - h[i] * h[j] / m for i in range(3) for j in range(i, 3)]
+    return np.array([m, *(h / m), *(pi[4:] - steiner)])
+
+
+def _slopes(pi: Array) -> Array:
+    """(k, k): derivatives of `_numbers`, by complex steps, which are exact."""
+    tiny = 1e-30
+    steps = pi + 1j * tiny * np.eye(len(pi))
+    return np.array([_numbers(x).imag / tiny for x in steps]).T
+
+
+def _ball(mass: float, centre: Array) -> Array:
+    """Parameters of an even ball (a disc in the plane)."""
+    dim = len(centre)
+    radius = (3.0 * mass / (4.0 * np.pi * DENSITY)) ** (1.0 / 3.0)
+    spread = radius**2 / (5.0 if dim == 3 else 4.0) * np.eye(dim)
+    return of_moments(mass, mass * centre, mass * (np.outer(centre, centre) + spread))
+
+
+def _physical(load: _Load, told: bool, unsure: float) -> Array:
+    """The parameters π (k,) of the body nearest to an estimate."""
+    dim = 2 if len(load.estimate) == 4 else 3
+    mass = float(load.estimate[0]) if told else max(unsure, 1e-3)
+    centre = load.estimate[1 : 1 + dim] / mass if told else np.zeros(dim)
+    physical = Physical(
+        pseudo_inertia_basis(dim), _ball(mass, centre)[None], np.empty(0), np.empty(0)
+    )
+    k = len(load.estimate)
+    return nearest_physical(
+        load.estimate, load.information, np.eye(k), physical, _PART_OF_NOISE * k
+    ).x
+
+
+def _result(
+    model: Model,
+    frame: str | None,
+    name: str,
+    load: _Load,
+    changes: tuple[FrictionChange, ...],
+    logs: Sequence[Log],
+    known: bool,
+) -> IdentifiedPayload:
+    at, dim = model.frame(frame), model.dim
+    strange = chi2.sf(load.chi2, load.freedom) < _UNLIKELY
+    factor = np.sqrt(load.chi2 / load.freedom)
+    wider = QUANTILE * (factor if strange else 1.0)
+    unsure = wider * float(np.sqrt(load.covariance[0, 0]))
+    told = not load.untold[0] and load.estimate[0] > unsure
+    pi = _physical(load, bool(told), unsure)
+    made = model.with_payload(
+        float(pi[0]), com=_numbers(pi)[1 : 1 + dim], inertia=_tensor(pi), frame=at.name, name=name
+    )
+    numbers = _listed(load, pi, wider, bool(told), dim)
+    outcome: PayloadOutcome = "no payload alone" if strange else "told"
+    if not told:
+        outcome = "not told"
+    notices = [f"{log.source or 'log'}: {text}" for log in logs for text in log.notices]
+    notices += payload_notices(numbers, changes, known, factor if strange else 0.0, at.name)
+    verdict = payload_verdict(outcome, bool(strange), numbers, at.name, dim)
+    return IdentifiedPayload(
+        made, at.name, numbers, changes, float(factor), outcome, verdict, tuple(notices)
+    )
+
+
+def _tensor(pi: Array) -> Any:
+    own = _numbers(pi)
+    return float(own[3]) if len(pi) == 4 else own[4:]
+
+
+def _listed(
+    load: _Load, pi: Array, wider: float, told: bool, dim: int
+) -> tuple[PayloadNumber, ...]:
+    """The load's numbers; without a mass that is told neither a centre nor an inertia is."""
+    axes = "xyz"[:dim]
+    tensor = ["inertia"]
+    if dim == 3:
+        tensor = [f"inertia.{axes[i]}{axes[j]}" for i in range(3) for j in range(i, 3)]
+    names = ["mass", *(f"com.{x}" for x in axes), *tensor]
+    units = ["kg", *("m" for _ in axes), *("kg m²" for _ in tensor)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = _numbers(load.estimate)
+        slopes = _slopes(load.estimate)
+    half = wider * np.sqrt(np.einsum("ij,jk,ik->i", slopes, load.covariance, slopes))
+    hidden = (np.abs(slopes) > 0.0) @ load.untold
+    value[hidden] = half[hidden] = np.nan
+    if not told:
+        value[1:] = half[1:] = np.nan
+    in_model = _numbers(pi)
+    sizes = np.zeros(len(names))
+    sizes[1 : 1 + dim] = max(np.linalg.norm(in_model[1 : 1 + dim]), 0.02)
+    sizes[1 + dim :] = np.linalg.norm(in_model[1 + dim :])
+    sizes[0] = abs(value[0])
+    told_numbers = [bool(x) for x in half <= sizes]
+    columns = (names, units, value, value - half, value + half, in_model, told_numbers)
+    return tuple(
+        PayloadNumber(name, unit, float(v), float(low), float(high), float(m), known)
+        for name, unit, v, low, high, m, known in zip(*columns, strict=True)
+    )
