@@ -125,13 +125,13 @@ class Identification(Tabled, ByValue):
     def lines(self) -> list[str]:
         """The identification in words and tables, line by line."""
         table = self._table()
-        lines = [self._title(), "", *_aligned([table.head, *table.rows]), ""]
+        lines = [self._title(), "", *aligned([table.head, *table.rows]), ""]
         head = ("parameter", "value", "95 %", "in the model", "unit", "")
         rows = [
             (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
             for x in self.parameters
         ]
-        return [*lines, *_aligned([head, *rows]), "", self.verdict, *self.notices]
+        return [*lines, *aligned([head, *rows]), "", self.verdict, *self.notices]
 
 
 def _interval(x: IdentifiedParameter) -> str:
@@ -142,7 +142,8 @@ def _remark(x: IdentifiedParameter) -> str:
     return x.withdrawn or ("" if x.told else "not told by these motions")
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The rows of a table as lines of text, its columns one below the other."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

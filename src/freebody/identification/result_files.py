@@ -34,7 +34,7 @@ def write_results(
 
 def as_data(found: Identification) -> dict[str, Any]:
     """The identification as numbers, texts, lists and dicts; what is not a number is null."""
-    return _plain(
+    return plain(
         {
             "robot": found.model.name,
             "verdict": found.verdict,
@@ -54,13 +54,14 @@ def as_data(found: Identification) -> dict[str, Any]:
     )
 
 
-def _plain(x: Any) -> Any:
+def plain(x: Any) -> Any:
+    """A value as JSON has it: arrays and tuples as lists, what is not finite as null."""
     if isinstance(x, dict):
-        return {key: _plain(value) for key, value in x.items()}
+        return {key: plain(value) for key, value in x.items()}
     if isinstance(x, list | tuple):
-        return [_plain(value) for value in x]
+        return [plain(value) for value in x]
     if isinstance(x, np.ndarray):
-        return _plain(x.tolist())
+        return plain(x.tolist())
     if isinstance(x, float):
         return x if np.isfinite(x) else None
     return x
