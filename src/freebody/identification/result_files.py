@@ -1,4 +1,5 @@
-"""An identification as files: the robot as TOML, the report as text, and all numbers as JSON."""
+"""An identification or a calibration as files: the robot as TOML, the report as text, and all
+numbers as JSON."""
 
 from __future__ import annotations
 
@@ -12,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from freebody.formats.writing import toml
+from freebody.identification.calibration.calibration import Calibration
 from freebody.identification.identification import Identification
 from freebody.outputs.folder import write_folder
 
-MODEL, REPORT, DATA = "model.toml", "report.txt", "identification.json"
+MODEL, REPORT = "model.toml", "report.txt"
 
 
 def write_results(
@@ -23,12 +25,31 @@ def write_results(
 ) -> list[Path]:
     """The paths of the files of an identification in a folder: the robot, the report, the data; and
     the manifest. logs: names of those it was made from."""
+    about = {"robot": found.model.name, "logs": ", ".join(map(str, logs))}
+    return _written(found, directory, "identification.json", as_data(found), about)
+
+
+def write_calibration(
+    found: Calibration, directory: str | os.PathLike[str], poses: Sequence[str]
+) -> list[Path]:
+    """The paths of the files of a calibration in a folder: the robot, the report, the data; and the
+    manifest. poses: names of the files it was made from."""
+    about = {"robot": found.model.name, "poses": ", ".join(map(str, poses))}
+    return _written(found, directory, "calibration.json", calibration_data(found), about)
+
+
+def _written(
+    found: Identification | Calibration,
+    directory: str | os.PathLike[str],
+    name: str,
+    data: dict[str, Any],
+    about: dict[str, str],
+) -> list[Path]:
     makers = {
         MODEL: lambda: toml.written(found.model)[0],
         REPORT: lambda: "\n".join(found.lines()) + "\n",
-        DATA: lambda: json.dumps(as_data(found), indent=1, ensure_ascii=False) + "\n",
+        name: lambda: json.dumps(data, indent=1, ensure_ascii=False) + "\n",
     }
-    about = {"robot": found.model.name, "logs": ", ".join(map(str, logs))}
     return write_folder(directory, makers, about)
 
 
@@ -50,6 +71,30 @@ def as_data(found: Identification) -> dict[str, Any]:
             ],
             "prior_alone": list(found.prior_alone),
             "prior_weight": found.prior_weight,
+        }
+    )
+
+
+def calibration_data(found: Calibration) -> dict[str, Any]:
+    """The calibration as numbers, texts, lists and dicts."""
+    errors = ("noise", "before", "after", "apart", "validation", "validation_before")
+    return plain(
+        {
+            "robot": found.model.name,
+            "frame": found.frame,
+            "verdict": found.verdict,
+            "outcome": found.outcome,
+            "notices": list(found.notices),
+            **{name: None if (x := getattr(found, name)) is None else asdict(x) for name in errors},
+            "parameters": [asdict(x) for x in found.parameters],
+            "combinations": [asdict(x) for x in found.combinations],
+            "covariance": found.covariance,
+            "gears": found.gears,
+            "instrument": found.instrument,
+            "marker": found.marker,
+            "left_out": list(found.left_out),
+            "misfits": list(found.misfits),
+            "next_poses": found.next_poses,
         }
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -139,10 +140,12 @@ def calibrate(
 def _poses(argument: str, model: Model, given: Any) -> Poses:
     """Poses as they are given, from a file, or from arrays."""
     if isinstance(given, Poses):
-        turned = None if given.rotation is None else np.tile(np.eye(4), (len(given), 1, 1))
-        if turned is not None and given.rotation is not None:
-            turned[:, :3, :3], turned[:, :3, 3] = given.rotation, given.position
-        return poses_of("calibrate", model, given.q, given.position if turned is None else turned)
+        seen: Array = given.position
+        if given.rotation is not None:
+            seen = np.tile(np.eye(4), (len(given), 1, 1))
+            seen[:, :3, :3], seen[:, :3, 3] = given.rotation, given.position
+        found = poses_of("calibrate", model, given.q, seen)
+        return replace(found, source=given.source, notices=given.notices)
     if isinstance(given, str | os.PathLike):
         return read_poses(given, model)
     if isinstance(given, tuple) and len(given) == 2:
@@ -152,11 +155,12 @@ def _poses(argument: str, model: Model, given: Any) -> Poses:
     )
 
 
-def _spread(
-    chain: Chain, shift: float, turn: float, offset: float, gears: float | None
-) -> Array:
+def _spread(chain: Chain, shift: float, turn: float, offset: float, gears: float | None) -> Array:
     """Standard deviations of the geometry beforehand."""
-    a, b = above_zero("calibrate", "shift", shift, "m"), above_zero("calibrate", "turn", turn, "rad")
+    a, b = (
+        above_zero("calibrate", "shift", shift, "m"),
+        above_zero("calibrate", "turn", turn, "rad"),
+    )
     own = [a, a, a, b, b, b, above_zero("calibrate", "offset", offset, "rad or m")]
     if gears is not None:
         own.append(above_zero("calibrate", "gears", gears))
@@ -373,7 +377,8 @@ def _notices(
         )
     if found.chain.gears:
         said.append(
-            "Gear factors are not in the model: it takes readings times `gears`, found.positions(q)."
+            "Gear factors are not in the model: it takes readings times `gears`, which "
+            "`positions(readings)` of the result gives."
         )
     return tuple(said)
 

@@ -1,11 +1,11 @@
-"""`Calibration`: the geometry of a robot as measured poses tell it, how surely, and what they do not
-tell."""
+"""`Calibration`: the geometry of a robot as measured poses tell it, how surely, and what they do
+not tell."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,8 +23,8 @@ Source = Literal["measured", "partly", "prior"]
 _MEASURED, _PRIOR = 0.25, 0.9
 """Share of the prior's variance that is left of what counts as measured, and from which on it is
 the prior's."""
-_TERMS = 4
-"""Terms of a combination that are printed."""
+_TERMS, _VISIBLE = 4, 0.01
+"""Terms of a combination that are printed at most, and the weight from which on one is."""
 
 
 def source_of(share: float) -> Source:
@@ -62,7 +62,8 @@ class Combination:
     source: Source
 
     def __str__(self) -> str:
-        largest = sorted(self.weights.items(), key=lambda x: -abs(x[1]))
+        visible = [x for x in self.weights.items() if abs(x[1]) > _VISIBLE]
+        largest = sorted(visible, key=lambda x: -abs(x[1]))
         terms = [f"{w:+.2f} {name}" for name, w in largest[:_TERMS]]
         return " ".join([*terms, *(["…"] if len(largest) > _TERMS else [])])
 
@@ -189,36 +190,6 @@ class Calibration(Tabled, ByValue):
             lines += [f"  {x}" for x in prior] + [""]
         return [*lines, self.verdict, *self.notices]
 
-    def as_data(self) -> dict[str, Any]:
-        """The calibration as numbers, texts, lists and dicts, as JSON has them."""
-        from dataclasses import asdict
-
-        from freebody.identification.result_files import plain
-
-        errors = ("noise", "before", "after", "apart", "validation", "validation_before")
-        return plain(
-            {
-                "robot": self.model.name,
-                "frame": self.frame,
-                "verdict": self.verdict,
-                "outcome": self.outcome,
-                "notices": list(self.notices),
-                **{
-                    name: None if (x := getattr(self, name)) is None else asdict(x)
-                    for name in errors
-                },
-                "parameters": [asdict(x) for x in self.parameters],
-                "combinations": [asdict(x) for x in self.combinations],
-                "covariance": self.covariance,
-                "gears": self.gears,
-                "instrument": self.instrument,
-                "marker": self.marker,
-                "left_out": list(self.left_out),
-                "misfits": list(self.misfits),
-                "next_poses": self.next_poses,
-            }
-        )
-
 
 _SOURCES = {"measured": "the poses", "partly": "poses and prior", "prior": "the prior"}
 
@@ -237,14 +208,10 @@ def combinations_of(names: tuple[str, ...], covariance: Array, values: Array) ->
     chosen = np.concatenate([axes[:, told], _sparse(rest)], axis=1)
     made = []
     for v in chosen.T:
-        weights = {name: float(w) for name, w in zip(names, v, strict=True) if abs(w) > _VISIBLE}
+        weights = {name: float(w) for name, w in zip(names, v, strict=True) if w != 0.0}
         share = min(max(float(v @ covariance @ v), 0.0), 1.0)
         made.append(Combination(weights, float(v @ values), share**0.5, source_of(share)))
     return made
-
-
-_VISIBLE = 0.01
-"""Weight from which on a number is named in a combination."""
 
 
 def _sparse(basis: Array) -> Array:

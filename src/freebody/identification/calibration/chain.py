@@ -269,6 +269,4 @@ def _kernel(bodies: Any) -> Kernel:
         return {"axes": tuple(x for x, _ in before), "origins": tuple(x for _, x in before)}
 
     inputs = {"q": (k,), "R": (k + 1, 3, 3), "p": (k + 1, 3)}
-    return compiled(
-        calibration_chain, inputs, {"axes": (k + 1, 3, 3), "origins": (k + 1, 3)}
-    )
+    return compiled(calibration_chain, inputs, {"axes": (k + 1, 3, 3), "origins": (k + 1, 3)})

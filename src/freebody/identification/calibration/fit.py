@@ -32,6 +32,8 @@ _LEAST = 1e-10
 """Standard deviation (m, rad) below which noise is that of the arithmetic."""
 _HUBER = 2.5
 """Standard deviations of a pose's distance from which on it counts less (Huber 1964)."""
+_SMALL = 1e-3
+"""Part of what the first guess leaves that noise is taken for at first."""
 _MEDIAN = 1.5382
 """Median length of three normal numbers of deviation 1."""
 _ACCIDENT = 1e-3
@@ -62,9 +64,10 @@ class Fit:
     """A fitted geometry x with the instrument and the marker, and what it leaves.
 
     spread: standard deviations (k,) of the unknowns beforehand, 1 for those of instrument and
-    marker, whose prior is flat; of `active` unknowns alone. root: (a, a), the posterior's covariance
-    in these units is root rootᵀ. noise: standard deviations of positions, m, and of rotations, rad.
-    freedom: degrees of freedom of each. kept: flags (n,) of the poses that count.
+    marker, whose prior is flat. active: indices of those that are not known. root: (a, a), the
+    covariance of these afterwards is root rootᵀ in these units. noise: standard deviations of
+    positions, m, and of rotations, rad. freedom: degrees of freedom of each. kept: flags (n,) of
+    the poses that count.
     """
 
     chain: Chain
@@ -126,7 +129,9 @@ class Fit:
         expected = np.eye(own.shape[1]) + sign * (own @ np.swapaxes(own, 1, 2))
         alone = np.linalg.solve(expected, left[:, :, None])[:, :, 0]
         distance = np.sum(left * alone, axis=1)
-        return distance > chi2.isf(_ACCIDENT / len(left), left.shape[1])
+        # noise may be more than was stated
+        usual = np.median(distance) / chi2.median(left.shape[1])
+        return distance / max(1.0, float(usual)) > chi2.isf(_ACCIDENT / len(left), left.shape[1])
 
 
 def fit(
@@ -143,6 +148,8 @@ def fit(
     changed. noise: standard deviations of positions (m) and rotations (rad), estimated if None.
     """
     found = _start(chain, poses, start, unknown, spread, noise)
+    if not len(found.active):
+        return found
     _require_enough(found)
     found = _settled(found, robust=True)
     for _ in range(_LATER):
@@ -203,7 +210,10 @@ def _start(
     )
     if noise is None:
         left = found.residuals(poses)
-        found = replace(found, noise=np.array([_by_median(x) for x in left.kinds]))
+        # from small noise upwards: from large noise on, a robot that is further off than its
+        # prior says would pass for one with a bad instrument
+        noise = np.array([_SMALL * _by_median(x) for x in left.kinds])
+        found = replace(found, noise=np.maximum(noise, _LEAST))
     return found
 
 
@@ -220,7 +230,7 @@ def _settled(found: Fit, robust: bool) -> Fit:
 
 
 def _stepped(found: Fit) -> tuple[Fit, float]:
-    """The fit after a Gauss–Newton step, with the noise that was left before it; and by how much
+    """The fit after a Gauss–Newton step, with the noise that is left behind it; and by how much
     that changed it, in standard deviations and in parts of the noise."""
     left = found.residuals(found.poses)
     columns, rest = found.whitened(left)
@@ -243,14 +253,16 @@ def _stepped(found: Fit) -> tuple[Fit, float]:
     change = float(np.abs(step).max(initial=0.0))
     if found.given:
         return result, change
-    noise = np.array([_noise(found, *x) for x in zip(left.kinds, freedom, strict=True)])
+    after = (rest - columns @ (root @ step)).reshape(len(rest), -1, 3)
+    after = np.moveaxis(after, 1, 0) * found.noise[:, None, None]
+    noise = np.array([_noise(found, *x) for x in zip(after, freedom, strict=True)])
     return replace(result, noise=noise), max(change, float(np.abs(noise / found.noise - 1.0).max()))
 
 
 def _triangle(columns: Array, rest: Array, weights: Array) -> Array:
     """The triangular factor of weighted columns (n, 3, a) with residuals (n, 3) as the last."""
     matrix = np.concatenate([columns, rest[:, :, None]], axis=2) * weights[:, None, None]
-    return np.linalg.qr(matrix.reshape(-1, matrix.shape[2]), mode="r")
+    return np.asarray(np.linalg.qr(matrix.reshape(-1, matrix.shape[2]), mode="r"))
 
 
 def _noise(found: Fit, residual: Array, freedom: float) -> float:

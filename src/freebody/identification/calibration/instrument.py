@@ -85,10 +85,10 @@ class _Reading:
 
 
 def _from_degrees(chain: Chain, poses: Poses) -> Poses | None:
-    turns = np.asarray(chain.columns)[chain.turns]
+    turns = [k for k, turns in zip(chain.columns, chain.turns, strict=True) if turns]
     q = poses.q.copy()
     q[:, turns] = np.radians(q[:, turns])
-    return Poses(q, poses.position, poses.rotation) if len(turns) else None
+    return Poses(q, poses.position, poses.rotation) if turns else None
 
 
 def _from_millimetres(chain: Chain, poses: Poses) -> Poses:
@@ -119,27 +119,29 @@ _READINGS = (
     _Reading("the positions are in mm (give metres)", _from_millimetres),
     _Reading("the instrument's axes are left-handed (turn over one of x, y, z)", _mirrored),
     _Reading("the rotations are transposed (give the marker's axes as columns)", _transposed),
-    _Reading(
-        "the poses are of the instrument in the marker's axes (give the inverse)", _inverted
-    ),
+    _Reading("the poses are of the instrument in the marker's axes (give the inverse)", _inverted),
 )
 
 
 def _guess(chain: Chain, poses: Poses, instrument: Pose | None, marker: Pose | None) -> Guess:
-    """The guess that leaves the least of one or two."""
+    """The guess that leaves the least of some: by points alone, and by rotations, which tell
+    nothing of the angle about an axis that all of them share."""
     R, p = chain.frames(poses.q, np.zeros(len(chain.names)))
     R, p = R[:, -1], p[:, -1]
-    if poses.rotation is None:
-        R_EM = np.eye(3) if marker is None else marker.R
-        starts = [instrument]
-        if instrument is None:
-            starts.append(_by_entries(R, p, poses.position))
-    else:
-        R_IW, R_EM = _by_rotations(R, poses.rotation, instrument, marker)
-        starts = [instrument or Pose(R_IW, np.zeros(3))]
+    starts: list[tuple[Pose | None, bool]] = [(instrument, instrument is None)]
+    if instrument is None:
+        starts.append((_by_entries(R, p, poses.position), True))
+        if poses.rotation is not None:
+            turn = _by_rotations(R, poses.rotation, marker)
+            starts.append((Pose(turn, np.zeros(3)), False))
     found = []
-    for start in starts:
-        at, y = _by_points(R, p, poses, start, instrument, marker)
+    for start, turning in starts:
+        at, y = _by_points(R, p, poses, start, marker, turning, instrument is not None)
+        R_EM: Array = np.eye(3)
+        if marker is not None:
+            R_EM = marker.R
+        elif poses.rotation is not None:
+            R_EM = _nearest(np.einsum("nji,njk->ik", at.R @ R, poses.rotation))
         found.append(Guess(at, Pose(R_EM, y), _left(R, p, poses, at, y, R_EM)))
     return min(found, key=lambda x: x.left)
 
@@ -163,20 +165,25 @@ def _size(points: Array) -> float:
 
 
 def _by_points(
-    R: Array, p: Array, poses: Poses, start: Pose | None, known: Pose | None, marker: Pose | None
+    R: Array,
+    p: Array,
+    poses: Poses,
+    start: Pose | None,
+    marker: Pose | None,
+    turning: bool,
+    fixed: bool,
 ) -> tuple[Pose, Array]:
-    """The instrument and the marker's place by turns: each is found in closed form when the other
-    is known."""
+    """The instrument and the marker's place by turns, each in closed form as if the other were
+    known; the instrument is `fixed`, or its rotation is not `turning`."""
     y = np.zeros(3) if marker is None else marker.p
     at = start or _aligned(p + R @ y, poses.position)
-    turning = known is None and poses.rotation is None
     for _ in range(_ROUNDS):
         if marker is None:
-            y, shift = _marker(R, p, poses.position, at, known is not None)
+            y, shift = _marker(R, p, poses.position, at, fixed)
             at = Pose(at.R, at.p + shift)
         if turning:
             at = _aligned(p + R @ y, poses.position)
-        elif known is None:
+        elif not fixed:
             at = Pose(at.R, np.mean(poses.position - (p + R @ y) @ at.R.T, axis=0))
     return at, y
 
@@ -186,11 +193,16 @@ def _marker(R: Array, p: Array, seen: Array, at: Pose, fixed: bool) -> tuple[Arr
     rows = at.R @ R
     left = seen - (p @ at.R.T + at.p)
     if fixed:
-        return np.linalg.lstsq(rows.reshape(-1, 3), left.ravel())[0], np.zeros(3)
+        return _solved(rows.reshape(-1, 3), left.ravel()), np.zeros(3)
     moved = np.broadcast_to(np.eye(3), rows.shape)
     matrix = np.concatenate([rows, moved], axis=2).reshape(-1, 6)
-    found = np.linalg.lstsq(matrix, left.ravel(), rcond=1e-6)[0]
+    found = _solved(matrix, left.ravel())
     return found[:3], found[3:]
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """The shortest least-squares solution, where something is hardly told as where it is not."""
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-6)[0], dtype=np.float64)
 
 
 def _aligned(points: Array, seen: Array) -> Pose:
@@ -215,24 +227,16 @@ def _by_entries(R: Array, p: Array, seen: Array) -> Pose:
         matrix[:, i, 3 * i : 3 * i + 3] = (seen - seen.mean(axis=0)) / size
     matrix[:, :, 9:12] = -R
     matrix[:, :, 12:] = -np.eye(3)
-    found = np.linalg.lstsq(matrix.reshape(-1, 15), p.ravel(), rcond=1e-6)[0]
+    found = _solved(matrix.reshape(-1, 15), p.ravel())
     R_IW = _nearest(found[:9].reshape(3, 3).T)
     return Pose(R_IW, np.mean(seen - (p + R @ found[9:12]) @ R_IW.T, axis=0))
 
 
-def _by_rotations(
-    R: Array, seen: Array, instrument: Pose | None, marker: Pose | None
-) -> tuple[Array, Array]:
-    """The rotations of the instrument and of the marker, with what is known of them."""
-    if instrument is not None and marker is not None:
-        return instrument.R, marker.R
+def _by_rotations(R: Array, seen: Array, marker: Pose | None) -> Array:
+    """The instrument's rotation by those that it saw."""
     if marker is not None:
-        return _nearest(np.einsum("nij,nkj->ik", seen, R @ marker.R)), marker.R
-    if instrument is not None:
-        return instrument.R, _nearest(np.einsum("nji,njk->ik", instrument.R @ R, seen))
+        return _nearest(np.einsum("nij,nkj->ik", seen, R @ marker.R))
     # R_IW = R_M R_EMᵀ R_Eᵀ, entry by entry, added up over the poses
     matrix = np.einsum("ncd,nab->cadb", seen, R).reshape(9, 9)
-    u, _, vt = np.linalg.svd(matrix)
-    X, Yt = u[:, 0].reshape(3, 3), vt[0].reshape(3, 3)
-    sign = np.sign(np.linalg.det(X)) or 1.0
-    return _nearest(sign * X), _nearest(sign * Yt).T
+    X = np.linalg.svd(matrix)[0][:, 0].reshape(3, 3)
+    return _nearest(X if np.linalg.det(X) > 0.0 else -X)

@@ -47,8 +47,6 @@ _SUSPICIONS = (
 
 def misfits_of(found: Fit) -> tuple[str, ...]:
     """What the errors that are left depend on by no accident, in words, the surest first."""
-    from scipy.stats import chi2
-
     chain, kept = found.chain, found.kept
     poses = found.poses.of(kept)
     left = found.residuals(poses)
@@ -68,13 +66,15 @@ def misfits_of(found: Fit) -> tuple[str, ...]:
                 continue
             errors = suspicion.errors(q[:, j], loads[:, j])
             F = (moves[:, :, None] * errors[:, None, :]).reshape(moves.size, -1)
-            chance = _chance(F, own, rest.ravel(), chi2.sf)
+            chance = _chance(F, own, rest.ravel())
             tried.append((chance, suspicion.words.format(joint=joint)))
     return tuple(words for chance, words in sorted(tried) if chance < _UNLIKELY / len(tried))
 
 
-def _chance(F: Array, own: Array, rest: Array, survival: Callable[..., float]) -> float:
+def _chance(F: Array, own: Array, rest: Array) -> float:
     """The probability with which noise alone would be as like F as the residuals are."""
+    from scipy.stats import chi2
+
     F = F / np.maximum(np.linalg.norm(F, axis=0), 1e-300)
     shared = own.T @ F
     size, axes = np.linalg.eigh(F.T @ F - shared.T @ shared)
@@ -82,7 +82,7 @@ def _chance(F: Array, own: Array, rest: Array, survival: Callable[..., float]) -
     if not tested.any():
         return 1.0
     score = (axes.T @ (F.T @ rest))[tested] ** 2 / size[tested]
-    return float(survival(score.sum(), int(tested.sum())))
+    return float(chi2.sf(score.sum(), int(tested.sum())))
 
 
 def _loads(found: Fit, q: Array) -> Array:
