@@ -114,8 +114,9 @@ AREAS = (
     ),
     Area(
         "identification",
-        ("identification/*.py", "identification/logs/*.py"),
-        ("logs", "broken_logs", "excitation", "identify", "identify_command"),
+        ("identification/*.py", "identification/logs/*.py", "identification/calibration/*.py"),
+        ("logs", "broken_logs", "excitation", "identify", "identify_command",
+         "calibrate"),
     ),
     Area(
         "design",
