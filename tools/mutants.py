@@ -114,7 +114,7 @@ AREAS = (
     ),
     Area(
         "identification",
-        ("identification/*.py", "identification/logs/*.py"),
+        ("identification/*.py", "identification/logs/*.py", "identification/calibration/*.py"),
         (
             "logs",
             "broken_logs",
@@ -124,6 +124,7 @@ AREAS = (
             "collisions",
             "friction_drift",
             "identify_command",
+            "calibrate",
         ),
     ),
     Area(

@@ -51,6 +51,10 @@ from freebody.formats.loading import load as load
 from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
 from freebody.formats.templates import template as template
+from freebody.identification.calibration.calibrate import calibrate as calibrate
+from freebody.identification.calibration.calibration import Calibration as Calibration
+from freebody.identification.calibration.poses import Poses as Poses
+from freebody.identification.calibration.read_poses import read_poses as read_poses
 from freebody.identification.collisions import DetectedCollisions as DetectedCollisions
 from freebody.identification.collisions import detect_collisions as detect_collisions
 from freebody.identification.excitation import Excitation as Excitation

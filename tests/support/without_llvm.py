@@ -136,6 +136,9 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "read_log": lambda: fb.read_log(
             {"t": 0.1 * np.arange(60), "q": np.sin(np.arange(60)), "tau": np.cos(np.arange(60))}
         ),
+        "read_poses": lambda: fb.read_poses(
+            {"q1": [0.1], "q2": [0.2], "x": [1.0], "y": [0.0], "z": [0.5]}, two
+        ),
         "excitation": lambda: fb.excitation(two, 4.0, harmonics=2, **LIMITS),
         "catalogue": lambda: fb.catalogue("invented"),
         "mean_load": lambda: fb.mean_load([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], 3.0),
@@ -184,9 +187,16 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "detect_collisions": lambda: fb.detect_collisions(
             two, simulated(two, np.random.default_rng(0))
         ),
+        "calibrate": lambda: fb.calibrate(arm, *_poses(arm)),
         "notes_figure": lambda: fb.notes_figure("1.1"),
         "the kernel's text": lambda: kernel.source,
     }
+
+
+def _poses(arm: fb.Model) -> tuple[np.ndarray, np.ndarray]:
+    """Readings of joints and points of the tip, as an instrument in the world's axes sees it."""
+    q, _, _ = fb.random_state(arm, 0, 40)
+    return q, fb.forward_kinematics(arm, q)[:, :3, 3]
 
 
 def commands() -> dict[str, list[str]]:

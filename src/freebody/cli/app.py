@@ -15,6 +15,7 @@ import typer
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    calibrate,
     commands,
     convert,
     diff,
@@ -63,6 +64,7 @@ for _function, _example in (
     (size.size, size.EXAMPLE),
     (payload.payload, payload.EXAMPLE),
     (identify.identify, identify.EXAMPLE),
+    (calibrate.calibrate, calibrate.EXAMPLE),
     (simulate.simulate, simulate.EXAMPLE),
     (sweep.sweep, sweep.EXAMPLE),
     (show.show, show.EXAMPLE),

@@ -1,4 +1,5 @@
-"""An identification as files: the robot as TOML, the report as text, and all numbers as JSON."""
+"""An identification or a calibration as files: the robot as TOML, the report as text, and all
+numbers as JSON."""
 
 from __future__ import annotations
 
@@ -12,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from freebody.formats.writing import toml
+from freebody.identification.calibration.calibration import Calibration
 from freebody.identification.collisions import DetectedCollisions
 from freebody.identification.identification import Identification, aligned_rows
 from freebody.identification.identified_payload import IdentifiedPayload
+from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 
 PAGE, MODEL, REPORT, DATA = "index.html", "model.toml", "report.txt", "identification.json"
@@ -45,9 +48,7 @@ def write_results(
 
     makers: dict[str, Callable[[], str | bytes]] = {
         PAGE: page,
-        MODEL: lambda: toml.written(found.model)[0],
-        REPORT: report,
-        DATA: lambda: json.dumps(data, indent=1, ensure_ascii=False) + "\n",
+        **_made(found.model, report, DATA, data),
     }
     if payload is not None:
         makers[LOADED] = lambda: toml.written(payload.model)[0]
@@ -55,9 +56,34 @@ def write_results(
     return write_folder(directory, makers, about)
 
 
+def write_calibration(
+    found: Calibration, directory: str | os.PathLike[str], poses: Sequence[str]
+) -> list[Path]:
+    """The paths of the files of a calibration in a folder: the robot, the report, the data; and the
+    manifest. poses: names of the files it was made from."""
+    about = {"robot": found.model.name, "poses": ", ".join(map(str, poses))}
+
+    def report() -> str:
+        return "\n".join(found.lines()) + "\n"
+
+    makers = _made(found.model, report, "calibration.json", calibration_data(found))
+    return write_folder(directory, makers, about)
+
+
+def _made(
+    model: Model, report: Callable[[], str], name: str, data: dict[str, Any]
+) -> dict[str, Callable[[], str | bytes]]:
+    """What makes the robot, the report, and the data in a file of that name."""
+    return {
+        MODEL: lambda: toml.written(model)[0],
+        REPORT: report,
+        name: lambda: json.dumps(data, indent=1, ensure_ascii=False) + "\n",
+    }
+
+
 def as_data(found: Identification) -> dict[str, Any]:
     """The identification as numbers, texts, lists and dicts; what is not a number is null."""
-    return _plain(
+    return plain(
         {
             "robot": found.model.name,
             "verdict": found.verdict,
@@ -81,7 +107,7 @@ def as_data(found: Identification) -> dict[str, Any]:
 
 def payload_data(found: IdentifiedPayload) -> dict[str, Any]:
     """An identified load as numbers, texts, lists and dicts."""
-    return _plain(
+    return plain(
         {
             "frame": found.frame,
             "verdict": found.verdict,
@@ -94,9 +120,33 @@ def payload_data(found: IdentifiedPayload) -> dict[str, Any]:
     )
 
 
+def calibration_data(found: Calibration) -> dict[str, Any]:
+    """The calibration as numbers, texts, lists and dicts."""
+    errors = ("noise", "before", "after", "apart", "validation", "validation_before")
+    return plain(
+        {
+            "robot": found.model.name,
+            "frame": found.frame,
+            "verdict": found.verdict,
+            "outcome": found.outcome,
+            "notices": list(found.notices),
+            **{name: None if (x := getattr(found, name)) is None else asdict(x) for name in errors},
+            "parameters": [asdict(x) for x in found.parameters],
+            "combinations": [asdict(x) for x in found.combinations],
+            "covariance": found.covariance,
+            "gears": found.gears,
+            "instrument": found.instrument,
+            "marker": found.marker,
+            "left_out": list(found.left_out),
+            "misfits": list(found.misfits),
+            "next_poses": found.next_poses,
+        }
+    )
+
+
 def collision_data(found: DetectedCollisions) -> dict[str, Any]:
     """Collisions as numbers, texts, lists and dicts."""
-    return _plain(
+    return plain(
         {
             "verdict": found.verdict,
             "joints": list(found.names),
@@ -113,13 +163,14 @@ def text_of(found: IdentifiedPayload | DetectedCollisions) -> str:
     return "\n".join([*aligned_rows([own.head, *own.rows]), "", *own.notes])
 
 
-def _plain(x: Any) -> Any:
+def plain(x: Any) -> Any:
+    """A value as JSON has it: arrays and tuples as lists, what is not finite as null."""
     if isinstance(x, dict):
-        return {key: _plain(value) for key, value in x.items()}
+        return {key: plain(value) for key, value in x.items()}
     if isinstance(x, list | tuple):
-        return [_plain(value) for value in x]
+        return [plain(value) for value in x]
     if isinstance(x, np.ndarray):
-        return _plain(x.tolist())
+        return plain(x.tolist())
     if isinstance(x, float):
         return x if np.isfinite(x) else None
     return x

@@ -193,12 +193,13 @@ LogTable = LogText | LogColumns
 column of words tell what it is about."""
 
 
-def table_of_log(source: Any) -> LogTable:
-    """The table of a log: of a CSV or Parquet file, or of a dict or DataFrame of columns."""
+def table_of_log(source: Any, function: str = "read_log") -> LogTable:
+    """The table of a log: of a CSV or Parquet file, or of a dict or DataFrame of columns. function:
+    the public one that reads it, for messages."""
     if hasattr(source, "items") and not isinstance(source, str | os.PathLike):
         return _in_memory(source)
     if not isinstance(source, str | os.PathLike):
-        raise KindError("read_log", "path", source, "the path of a CSV or Parquet file, or a table")
+        raise KindError(function, "path", source, "the path of a CSV or Parquet file, or a table")
     path = Path(source)
     if path.suffix.lower() in (".parquet", ".pq"):
         return _of_parquet(path)

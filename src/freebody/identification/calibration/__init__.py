@@ -1,0 +1,1 @@
+"""From measured poses of a robot's tip to its geometry: `fb.calibrate`."""
