@@ -1,6 +1,6 @@
 // The floor under a robot: lines a round distance apart, and a soft shadow of what stands on it.
 
-const CELLS = 160, SOFT = 2;
+const CELLS = 96, SOFT = 1;
 class Floor {
   constructor(scene) {
     const {box: [low, high], step, flat} = scene, lines = (k) => [Math.floor(low[k] / step - 0.15), Math.ceil(high[k] / step + 0.15)];

@@ -18,10 +18,9 @@ from freebody.figures.skeleton import BodyPlace, DrawnJoint, Skeleton, extent, s
 from freebody.figures.view import View, best_view
 from freebody.model.model import Model
 
-_LINK, _JOINT, _CROWDED = 0.021, 0.026, 0.55
+_LINK, _JOINT, _CROWDED = 0.025, 0.031, 0.55
 """Radii of links and joints, of the drawing's size; what they shrink by where bodies are many."""
 _MANY = 12  # bodies
-_FEW = 0.15  # of a grid's cell: the floor reaches so far beyond what moves
 _THIN = 0.35  # of a link's radius: rods of loops and struts
 _AXES = 0.16, 0.005  # length and radius of the world's axes, of the drawing's size
 _POSES = 24  # of a motion: the box that is seen holds them

@@ -1,6 +1,6 @@
 // The motion of a study: one cursor moves the robot, the curves and the table of this instant.
 
-const find = (id) => document.getElementById(id), SVG = "http://www.w3.org/2000/svg", SMALL = 1e-9;
+const find = (id) => document.getElementById(id), SVG = "http://www.w3.org/2000/svg";
 function made(name, attributes, parent) {
   const element = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
@@ -35,10 +35,10 @@ class Reading {
     this.line.setAttribute("x1", x);
     this.line.setAttribute("x2", x);
     this.columns.forEach((column, i) => {
-      const value = column[k], [, y] = this.place(t, value);
+      const value = column.values[k], [, y] = this.place(t, value);
       this.dots[i].setAttribute("cx", x);
       this.dots[i].setAttribute("cy", Number.isFinite(y) ? y : -99);
-      this.values[i].textContent = `${significant(value)} ${unit}`;
+      this.values[i].textContent = `${onCurve(value, column.largest)} ${unit}`;
     });
   }
   // The time at a place of the window.
@@ -71,7 +71,7 @@ class Player {
       svg.addEventListener("pointermove", hover);
       svg.addEventListener("pointerdown", hover);
     }
-    this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, values: columns[Number(cell.dataset.now)], factor: Number(cell.dataset.scale)}));
+    this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, column: columns[Number(cell.dataset.now)], factor: Number(cell.dataset.scale)}));
     this.slider = find("time");
     Object.assign(this.slider, {min: 0, max: t.length - 1, step: 1});
     this.slider.addEventListener("input", () => { this.pause(); this.show(Number(this.slider.value)); });
@@ -101,7 +101,7 @@ class Player {
     this.slider.value = k;
     this.slider.setAttribute("aria-valuetext", `${this.t[k].toFixed(3)} s`);
     find("instant").textContent = `${this.t[k].toFixed(3)} s`;
-    for (const {cell, values, factor} of this.rows) cell.textContent = significant(factor * values[k], 3);
+    for (const {cell, column, factor} of this.rows) cell.textContent = onCurve(factor * column.values[k], factor * column.largest);
     this.read();
     this.work.push(performance.now() - start);
     if (this.work.length > 600) this.work.shift();
@@ -138,7 +138,10 @@ let player;
 (async () => {
   const study = JSON.parse(new TextDecoder().decode(await inflated("STUDY")));
   const [t, q, values] = [await numbers("TIMES", Float64Array), await numbers("POSITIONS", Float64Array), await numbers("VALUES", Float32Array)];
-  const count = t.length, columns = Array.from({length: values.length / count}, (_, k) => values.subarray(k * count, (k + 1) * count));
+  const count = t.length, columns = Array.from({length: values.length / count}, (_, k) => {
+    const own = values.subarray(k * count, (k + 1) * count);
+    return {values: own, largest: own.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0)};
+  });
   document.documentElement.classList.add("moves");
   for (const hidden of document.querySelectorAll(".moving[hidden]")) hidden.hidden = false;
   player = new Player(study, t, q, columns);
