@@ -1,10 +1,9 @@
 // A view of the world in parallel projection: turned by mouse, touch or keys, made larger and moved.
 
-const LOWEST = 2, DEGREE = Math.PI / 180;
+const LOWEST = 2, ROOM = 0.7, DEGREE = Math.PI / 180;
 class Camera {
   constructor(scene) {
     this.scene = scene;
-    this.middle = [0, 1, 2].map((k) => (scene.box[0][k] + scene.box[1][k]) / 2);
     this.corners = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => [0, 1, 2].map((k) => scene.box[n >> k & 1][k]));
     this.reset();
   }
@@ -24,12 +23,18 @@ class Camera {
   }
   closer(factor) { this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 12); }
   shift(x, y) { this.aside = [this.aside[0] + x, this.aside[1] + y]; }
-  // Fits the box of all that moves into the window, as it is seen at first.
+  // Fits all that moves into the window, as it is seen at first: the corners of its box, or places on
+  // its way with some room about them.
   fit(wide, tall) {
     const now = [this.azimuth, this.elevation], {view} = this.scene;
     this.turn(view[0] - now[0], view[1] - now[1]);
-    const reach = (way) => Math.max(...this.corners.map((corner) => Math.abs(dot3(corner, way) - dot3(this.middle, way))));
-    this.scale = 0.94 * Math.min(wide / 2 / reach(this.right), tall / 2 / reach(this.up));
+    const ends = [this.right, this.up, this.towards].map((way) => this.corners.reduce(([low, high], corner) => {
+      const far = dot3(corner, way);
+      return [Math.min(low, far), Math.max(high, far)];
+    }, [Infinity, -Infinity]));
+    const [a, b, c] = ends.map(([low, high]) => (low + high) / 2), room = ROOM * (this.scene.step || 1);
+    this.middle = [0, 1, 2].map((k) => a * this.right[k] + b * this.up[k] + c * this.towards[k]);
+    this.scale = Math.min(wide / (ends[0][1] - ends[0][0] + room), tall / (ends[1][1] - ends[1][0] + room));
     this.turn(now[0] - view[0], now[1] - view[1]);
     Object.assign(this, {wide, tall});
   }

@@ -4,7 +4,7 @@ flat at their ends."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -93,7 +93,8 @@ class Scene:
             "step": _rounded(self.step),
             "view": [round(azimuth), round(elevation)],
             "names": [[text, place.data] for text, place in self.names],
-            "tip": self.tip and [self.tip.frame, *self.tip.at],  # compared with Python's: not rounded
+            "tip": self.tip
+            and [self.tip.frame, *self.tip.at],  # compared with Python's: not rounded
         }
 
 

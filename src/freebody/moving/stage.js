@@ -51,6 +51,15 @@ class Stage {
   places(positions, point) {
     return positions.map((q) => { this.place(q, this.own); return inWorld(this.frames, point); });
   }
+  // Frames all that moves through some positions.
+  frame(positions) {
+    const ends = this.scene.solids.flatMap(([, a, b]) => [a, b]);
+    this.camera.corners = positions.flatMap((q) => {
+      this.place(q, this.own);
+      return ends.map((end) => inWorld(this.frames, end));
+    });
+    this.resize();
+  }
   show(q) {
     this.place(q, this.own);
     this.solids.place(this.frames);

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.figures.plots import Plot, axes_of
@@ -108,8 +109,9 @@ def _marks(study: Study) -> Iterator[tuple[int, str]]:
     wanted = [(study.worst.time, f"worst torque, {study.worst.coordinate}")]
     for use in study.verdict.uses[:_USED]:
         if math.isfinite(use.time):
-            share = f"{100 * use.fraction:.0f} %"
-            wanted.append((use.time, f"{use.quantity} of {use.coordinate}, {share} of its limit"))
+            bound = "half range" if use.quantity == "position" else "limit"
+            share = f"{100 * use.fraction:.0f} % of its {bound}"
+            wanted.append((use.time, f"{use.quantity} of {use.coordinate}, {share}"))
     if study.singularity is not None:
         wanted.append((study.singularity.time, "nearest singular pose"))
     wanted.append((float(t[0]), "start"))
@@ -120,18 +122,18 @@ def _marks(study: Study) -> Iterator[tuple[int, str]]:
             yield k, words
 
 
-def _kept(count: int, marked: Iterable[int]) -> Array:
+def _kept(count: int, marked: Iterable[int]) -> NDArray[np.intp]:
     """Numbers of the samples that a page shows: evenly apart, and those that are marked."""
     even = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
-    return np.unique([*even.tolist(), *marked])
+    return np.unique(np.array([*even.tolist(), *marked], dtype=np.intp))
 
 
 class _Columns:
     """Curves at the instants that are shown, each once."""
 
-    def __init__(self, kept: Array):
+    def __init__(self, kept: NDArray[np.intp]):
         self._kept, self._numbers = kept, dict[bytes, int]()
-        self.found: list[Array] = []
+        self.found: list[NDArray[np.float32]] = []
 
     def number(self, curve: Array) -> int:
         """The number of a curve (T,)."""
@@ -182,7 +184,7 @@ def _rows(study: Study, columns: _Columns) -> Iterator[NowRow]:
         )
 
 
-def _numbers(x: Array) -> str:
+def _numbers(x: NDArray[Any]) -> str:
     """Numbers as a page inflates them: bytes of equal weight together, which packs them better."""
     little = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("<"))
     return packed(little.view(np.uint8).reshape(-1, x.dtype.itemsize).T.tobytes())

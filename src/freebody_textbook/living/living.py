@@ -154,7 +154,9 @@ def _parts(
     return LivingParts(
         panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
-        joined(_FOLDER, ["unpacked.js"]).replace("PAGE", packed(data)).replace("SCRIPT", packed(run)),
+        joined(_FOLDER, ["unpacked.js"])
+        .replace("PAGE", packed(data))
+        .replace("SCRIPT", packed(run)),
         run,
     )
 

@@ -55,6 +55,7 @@ class Player {
     this.q = Array.from(t, (_, k) => q.subarray(k * study.nq, (k + 1) * study.nq));
     this.columns = columns;
     this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed);
+    this.stage.frame(this.q.filter((_, k) => k % Math.ceil(this.q.length / 40) === 0));
     if (study.scene.tip) this.tips = this.stage.places(this.q, study.scene.tip);
     this.stage.path = this.tips || [];
     this.readings = [...document.querySelectorAll("[data-plot]")].map((figure) => {
