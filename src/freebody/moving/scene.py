@@ -15,7 +15,7 @@ from freebody.arrays import Array
 from freebody.figures.drawing import SAME, round_down
 from freebody.figures.layers.bare_robot import RING, along, bars, sticks
 from freebody.figures.skeleton import BodyPlace, DrawnJoint, Skeleton, extent, skeleton
-from freebody.figures.view import View, best_view
+from freebody.figures.view import FLAT, View, best_view
 from freebody.model.model import Model
 
 _LINK, _JOINT, _CROWDED = 0.025, 0.031, 0.55
@@ -27,11 +27,11 @@ _POSES = 24  # of a motion: the box that is seen holds them
 _ABOVE = 0.02  # of the drawing's size: a plane's body lies so far above its predecessor
 
 Role = Literal["link", "joint", "rod", "x", "y", "z"]
-"""What a solid stands for, which says its colour."""
+"""The part that a solid stands for, which says its colour."""
 
 
 @dataclass(frozen=True)
-class Place:
+class FramePlace:
     """A place fixed in a frame: 0 the world, 1 + i body i; always with three coordinates."""
 
     frame: int
@@ -44,11 +44,11 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class DrawnSolid:
     """A solid of revolution between two places, metres: a capsule where its ends are round, a
     cylinder, or a prism of few sides, where they are flat."""
 
-    ends: tuple[Place, Place]
+    ends: tuple[FramePlace, FramePlace]
     radius: float
     role: Role
     round: bool = True
@@ -66,7 +66,7 @@ class Scene:
     """A robot's solids, the box and the floor that they move over, and how they are seen first."""
 
     dim: int
-    solids: tuple[Stretch, ...]
+    solids: tuple[DrawnSolid, ...]
     box: Array
     """Lowest and highest coordinates (2, 3) of what moves, m."""
     level: float
@@ -74,9 +74,9 @@ class Scene:
     step: float
     """Distance of the floor's lines, m."""
     view: View
-    names: tuple[tuple[str, Place], ...]
+    names: tuple[tuple[str, FramePlace], ...]
     """Texts that stand at places."""
-    tip: Place | None
+    tip: FramePlace | None
 
     @property
     def data(self) -> dict[str, Any]:
@@ -104,13 +104,13 @@ def scene(model: Model, q: Array) -> Scene:
     rows = q[np.unique(np.linspace(0, len(q) - 1, _POSES).astype(int))]
     poses = [skeleton(model, row) for row in rows]
     size = extent(poses)
-    first = _Fitted(model, rows[0], poses[0], size)
+    first = _PoseSolids(model, rows[0], poses[0], size)
     flat = model.dim == 2
     places = np.concatenate([pose.places for pose in poses])
     places = np.pad(places, ((0, 0), (0, 3 - model.dim)))
     margin = 1.5 * _JOINT * size
     box = np.array([places.min(axis=0) - margin, places.max(axis=0) + margin])
-    view = View((), ()) if flat else best_view([ends for pose in poses for ends in sticks(pose)])
+    view = FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)])
     return Scene(
         model.dim,
         tuple(first.solids()),
@@ -123,7 +123,7 @@ def scene(model: Model, q: Array) -> Scene:
     )
 
 
-class _Fitted:
+class _PoseSolids:
     """Solids fitted to the skeleton of a robot in one pose."""
 
     def __init__(self, model: Model, q: Array, pose: Skeleton, size: float):
@@ -135,16 +135,16 @@ class _Fitted:
         thin = _CROWDED if len(model.bodies) > _MANY else 1.0
         self._link, self._joint = thin * _LINK * size, thin * _JOINT * size
 
-    def place(self, body: int, world: Array, above: float = 0.0) -> Place:
+    def place(self, body: int, world: Array, above: float = 0.0) -> FramePlace:
         """A place of the world as one of a body (-1: the base), in the plane lifted above it."""
         local = world
         if body >= 0:
             R, p = self._frames[body]
             local = R.T @ (world - p)
         at = [*map(float, local)]
-        return Place(body + 1, (*at, above) if len(at) == 2 else tuple(at))
+        return FramePlace(body + 1, (*at, above) if len(at) == 2 else tuple(at))
 
-    def solids(self) -> Iterator[Stretch]:
+    def solids(self) -> Iterator[DrawnSolid]:
         """All solids of the robot."""
         yield from self._axes()
         for root in self._pose.roots:
@@ -166,11 +166,11 @@ class _Fitted:
         """How far above the plane a body is drawn, so that links that cross do not merge."""
         return _ABOVE * self._size * (body + 1) if self._model.dim == 2 else 0.0
 
-    def _bar(self, i: int, a: Array, j: int, b: Array, radius: float, role: Role) -> Stretch:
+    def _bar(self, i: int, a: Array, j: int, b: Array, radius: float, role: Role) -> DrawnSolid:
         above = self._height(max(i, j))
-        return Stretch((self.place(i, a, above), self.place(j, b, above)), radius, role)
+        return DrawnSolid((self.place(i, a, above), self.place(j, b, above)), radius, role)
 
-    def _body(self, body: BodyPlace) -> Iterator[Stretch]:
+    def _body(self, body: BodyPlace) -> Iterator[DrawnSolid]:
         slid = body.kind.holds and np.linalg.norm(body.origin - body.carrier) > SAME
         for k, (_, (a, b)) in enumerate(bars(body)):
             carried = body.parent if slid and not k else body.index
@@ -181,57 +181,58 @@ class _Fitted:
         if not bars(body) and body.mass and body.kind.turns:
             yield self._wheel(body)
 
-    def _wheel(self, body: BodyPlace) -> Stretch:
+    def _wheel(self, body: BodyPlace) -> DrawnSolid:
         axis = np.zeros(self._model.dim) if body.axis is None else body.axis
         half = 0.4 * self._link
         ends = self._ends(body.index, body.origin, axis, half, self._height(body.index))
-        return Stretch(ends, RING * self._size, "link", round=False, sides=40)
+        return DrawnSolid(ends, RING * self._size, "link", round=False, sides=40)
 
-    def _symbol(self, joint: DrawnJoint) -> Iterator[Stretch]:
+    def _symbol(self, joint: DrawnJoint) -> Iterator[DrawnSolid]:
         """The solids of a joint; in the plane a pin, or the block of a slide."""
         r, above = self._joint, self._height(joint.index)
         if self._model.dim == 2:
-            block = joint.kind.slides and joint.axis is not None
-            if block:
+            if joint.kind.slides and joint.axis is not None:
                 half = 1.6 * r
                 ends = self._ends(joint.index, joint.origin, joint.axis, half, above)
-                yield Stretch(ends, 1.3 * r, "joint", round=False, sides=4)
+                yield DrawnSolid(ends, 1.3 * r, "joint", round=False, sides=4)
             else:
                 ends = self._ends(joint.index, joint.origin, np.zeros(2), 1.2 * r, above)
-                yield Stretch(ends, 0.75 * r, "joint", round=False)
+                yield DrawnSolid(ends, 0.75 * r, "joint", round=False)
             return
         if not joint.kind.solids and joint.kind.mark:
             at = self.place(joint.index, joint.origin)
-            yield Stretch((at, at), 1.25 * r, "joint")
+            yield DrawnSolid((at, at), 1.25 * r, "joint")
         for part in joint.kind.solids:
             way = along(joint, part)
             if way is not None:
                 body = joint.index if part.moves else joint.parent
                 middle = joint.origin if part.moves else joint.carrier
                 ends = self._ends(body, middle, way, part.half * r)
-                yield Stretch(ends, part.radius * r, "joint", round=False, sides=part.sides)
+                yield DrawnSolid(ends, part.radius * r, "joint", round=False, sides=part.sides)
 
     def _ends(
-        self, body: int, middle: Array, way: Array, half: float, above: float = 0.0
-    ) -> tuple[Place, Place]:
+        self, body: int, middle: Array, way: Array | None, half: float, above: float = 0.0
+    ) -> tuple[FramePlace, FramePlace]:
         """Both ends of a solid about its middle; in the plane without a direction, along z."""
-        low, high = (self.place(body, middle + s * half * way, above) for s in (-1, 1))
-        if np.any(way):
+        if way is not None and np.any(way):
+            low, high = (self.place(body, middle + s * half * way, above) for s in (-1, 1))
             return low, high
-        return tuple(Place(low.frame, (*low.at[:2], above + s * half)) for s in (-1, 1))  # type: ignore[return-value]
+        low = self.place(body, middle, above)
+        first, second = (FramePlace(low.frame, (*low.at[:2], above + z)) for z in (-half, half))
+        return first, second
 
-    def _axes(self) -> Iterator[Stretch]:
+    def _axes(self) -> Iterator[DrawnSolid]:
         length, radius = (share * self._size for share in _AXES)
         for name, end in zip(("x", "y", "z")[: self._model.dim], np.eye(3), strict=False):
-            ends = Place(0, (0.0, 0.0, 0.0)), Place(0, tuple(map(float, length * end)))
-            yield Stretch(ends, radius, name, round=False, sides=8)  # type: ignore[arg-type]
+            ends = FramePlace(0, (0.0, 0.0, 0.0)), FramePlace(0, tuple(map(float, length * end)))
+            yield DrawnSolid(ends, radius, name, round=False, sides=8)  # type: ignore[arg-type]
 
-    def names(self) -> Iterator[tuple[str, Place]]:
+    def names(self) -> Iterator[tuple[str, FramePlace]]:
         """Names of the world's axes, of the tip, and the numbers of the joints where they are
         few."""
         letters = "xy" if self._model.dim == 2 else "XYZ"
         for name, end in zip(letters, np.eye(3), strict=False):
-            yield name, Place(0, tuple(map(float, 1.15 * _AXES[0] * self._size * end)))
+            yield name, FramePlace(0, tuple(map(float, 1.15 * _AXES[0] * self._size * end)))
         tip = self.tip()
         if tip is not None and self._model.tip is not None:
             yield self._model.tip, tip
@@ -239,7 +240,7 @@ class _Fitted:
             for body in self._pose.bodies:
                 yield str(body.number), self.place(body.index, body.origin)
 
-    def tip(self) -> Place | None:
+    def tip(self) -> FramePlace | None:
         """The robot's tip; None without one."""
         if self._model.tip is None or self._pose.tip is None:
             return None

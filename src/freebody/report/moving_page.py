@@ -1,5 +1,5 @@
-"""What moves on a study's page: the robot, one cursor through all curves, and the instants that
-matter."""
+"""The moving parts of a study's page: the robot, one cursor through all curves, and the instants
+that matter."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     t = study.motion.t
     marks = list(_marks(study))
     kept = _kept(len(t), [k for k, _ in marks])
-    columns = _Columns(kept)
+    columns = _ShownCurves(kept)
     shown = [_plotted(plot, columns) for plot in plots]
     rows = tuple(_rows(study, columns))
     places = {int(k): n for n, k in enumerate(kept)}
@@ -128,7 +128,7 @@ def _kept(count: int, marked: Iterable[int]) -> NDArray[np.intp]:
     return np.unique(np.array([*even.tolist(), *marked], dtype=np.intp))
 
 
-class _Columns:
+class _ShownCurves:
     """Curves at the instants that are shown, each once."""
 
     def __init__(self, kept: NDArray[np.intp]):
@@ -144,7 +144,7 @@ class _Columns:
         return number
 
 
-def _plotted(plot: Plot, columns: _Columns) -> dict[str, Any]:
+def _plotted(plot: Plot, columns: _ShownCurves) -> dict[str, Any]:
     """A plot's axes and curves as a page reads them."""
     axes = axes_of(plot)
     return {
@@ -160,7 +160,7 @@ def _plotted(plot: Plot, columns: _Columns) -> dict[str, Any]:
     }
 
 
-def _rows(study: Study, columns: _Columns) -> Iterator[NowRow]:
+def _rows(study: Study, columns: _ShownCurves) -> Iterator[NowRow]:
     """The rows of the table of an instant; none where a robot has many drives."""
     model, data = study.model, study.data
     driven = list(model.driven_names)

@@ -43,7 +43,7 @@ class CaptionedDrawing:
     svg: str
     caption: str = ""
     plot: Plot | None = None
-    """What is drawn, where it is curves over the time of the motion."""
+    """The curves of the drawing, where they are over the time of the motion."""
     number: int | None = None
     """Its number among those that follow the cursor of a page."""
 
