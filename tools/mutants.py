@@ -147,7 +147,7 @@ AREAS = (
         "figures",
         ("figures/**/*.py", "moving/*.py", "freebody_textbook/living/*.py"),
         ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams",
-         "moving_page"),
+         "moving_page_browser"),
     ),
     Area(
         "derivations",
