@@ -3,6 +3,7 @@ runs or fetches."""
 
 from __future__ import annotations
 
+import re
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -102,9 +103,10 @@ def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium
     chromium.get(path.as_uri())
     assert chromium.title == "<script>alert(2)</script>: dynamic study"
 
-    tried(page.replace(policy(), ""))  # what the policy is good for
+    free = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
+    tried(free)  # what the policy is good for
     assert len(set(asked)) > 5
-    path.write_text(page.replace(policy(), ""), encoding="utf-8")
+    path.write_text(free, encoding="utf-8")
     chromium.get(path.as_uri())
     assert chromium.title == "run"
 
