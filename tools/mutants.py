@@ -155,8 +155,9 @@ AREAS = (
     ),
     Area(
         "figures",
-        ("figures/**/*.py", "freebody_textbook/living/*.py"),
-        ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams"),
+        ("figures/**/*.py", "moving/*.py", "freebody_textbook/living/*.py"),
+        ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams",
+         "moving_page_browser"),
     ),
     Area(
         "derivations",

@@ -29,6 +29,7 @@ _PALETTE = {
     "reaction z s0": "#1459b8 #7db0ff", "moment s3": "#b01e5c #ff86b3",
     "weight y": "#2b7a3d #74cf8a", "inertia": "#7d8792 #8b96a3", "velocity": "#0b7d8c #55d0e0",
     "acceleration s4": "#7048c6 #b79cff", "solid": "#edf1f5 #232b35", "x": "#c22f2f #ff8a80",
+    "shell": "#b9c6d6 #71839a", "hub": "#3d6ea8 #6d9fdc",
     "limit": "#b3261e #ff8a80", "s1": "#d1600a #f2a15f", "s2": "#1b8a5a #5fd3a0",
     "s5": "#0f8ea6 #5ccfe6", "s6": "#8a6a00 #d9bd55", "s7": "#5b6672 #a7b2be",
 }  # fmt: skip

@@ -62,9 +62,8 @@ def plot(what: Plot) -> Picture:
     """Picture of a plot with its axes and curves."""
     what = _to_print(what)
     w, h = what.size
-    box = (_LEFT, _TOP, w - (_SECOND if what.also else _RIGHT), h - _BOTTOM)
-    low, high = _range(what)
-    axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
+    axes = _axes(what)
+    box, (low, high) = axes.box, axes.range
     body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what)]
     if what.now is not None:
         d = f"M{axes.x(what.now):.1f} {box[1]:.1f}V{box[3]:.1f}"
@@ -105,6 +104,31 @@ def plot(what: Plot) -> Picture:
     return Picture("".join(body), w, tall, f"{what.title}, {what.unit} over time")
 
 
+def axes_of(what: Plot) -> PlotAxes:
+    """The axes of a plot: where they lie on its page, and in the curves' own units what they
+    show; of logarithms the powers of ten."""
+    printed = _axes(_to_print(what))
+    power = 10.0 ** _power(what)
+    return replace(printed, range=(printed.range[0] * power, printed.range[1] * power))
+
+
+def _axes(what: Plot) -> PlotAxes:
+    """The axes of a plot with values as they print them."""
+    w, h = what.size
+    box = (_LEFT, _TOP, w - (_SECOND if what.also else _RIGHT), h - _BOTTOM)
+    return PlotAxes(box, (float(what.t[0]), float(what.t[-1])), _range(what), what.log)
+
+
+def _power(what: Plot) -> int:
+    """The power of ten taken out of numbers too small or large to print; 0 where none is."""
+    if what.log:
+        return 0
+    curves = (np.asarray(curve, dtype=float) for curve in what.curves.values())
+    finite = (np.abs(curve[np.isfinite(curve)]) for curve in curves)
+    size = max((float(values.max(initial=0.0)) for values in finite), default=0.0)
+    return 0 if size == 0 or 1e-2 <= size < 1e5 else math.floor(math.log10(size))
+
+
 def _to_print(what: Plot) -> Plot:
     """The plot with values as the axis prints them: logarithms, or with a power of ten taken out of
     numbers too small or large to print."""
@@ -112,11 +136,9 @@ def _to_print(what: Plot) -> Plot:
     if what.log:
         logs = {k: np.log10(np.maximum(np.abs(x), 1e-300)) for k, x in curves.items()}
         return replace(what, curves=logs)
-    finite = (np.abs(curve[np.isfinite(curve)]) for curve in curves.values())
-    size = max((float(values.max(initial=0.0)) for values in finite), default=0.0)
-    if size == 0 or 1e-2 <= size < 1e5:
+    power = _power(what)
+    if not power:
         return replace(what, curves=curves)
-    power = math.floor(math.log10(size))
     return replace(
         what,
         curves={name: curve / 10.0**power for name, curve in curves.items()},
@@ -163,7 +185,9 @@ def ticks(low: float, high: float, most: int = 5) -> list[float]:
 
 
 @dataclass(frozen=True)
-class _Axes:
+class PlotAxes:
+    """The axes of a plot: left, top, right and bottom on its page, and what they show."""
+
     box: tuple[float, float, float, float]
     time: tuple[float, float]
     range: tuple[float, float]
@@ -208,7 +232,7 @@ def _range(what: Plot) -> tuple[float, float]:
     return low - below * span, high + above * span
 
 
-def _grid(axes: _Axes, what: Plot) -> list[str]:
+def _grid(axes: PlotAxes, what: Plot) -> list[str]:
     left, top, right, bottom = axes.box
     out = []
     levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
@@ -231,7 +255,7 @@ def _grid(axes: _Axes, what: Plot) -> list[str]:
     return [*out, frame, time, words("unit", complex(end, top - 7), escape(what.unit), "end")]
 
 
-def _second(axes: _Axes, factor: float, unit: str) -> list[str]:
+def _second(axes: PlotAxes, factor: float, unit: str) -> list[str]:
     """The axis of a second unit, of which `factor` are one of the first, at the plot's right."""
     _, top, right, _ = axes.box
     levels = ticks(*(factor * end for end in axes.range), most=4)
@@ -275,7 +299,7 @@ class _Peak:
     box: Box
 
 
-def _peak(axes: _Axes, what: Plot) -> _Peak | None:
+def _peak(axes: PlotAxes, what: Plot) -> _Peak | None:
     curve = next(iter(what.curves.values()))
     k = int(np.argmax(np.abs(curve)))
     if abs(curve[k]) < 1e-12:

@@ -4,6 +4,7 @@ numbers that name their source."""
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -28,6 +29,7 @@ from freebody.outputs.number_text import significant
 from freebody.outputs.page_head import SHEETS, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
+from freebody.report.moving_page import moving_page
 from freebody.report.summary import energy_text
 from freebody.report.tables import typeset
 
@@ -50,9 +52,13 @@ def page(study: Study) -> str:
     """The HTML text of a study's page."""
     diagrams, loads = figures.free_bodies(study)
     equations = _equations(study)
+    plots, over_time = figures.numbered({x.__name__: list(x(study)) for x in figures.PLOTS})
+    moving = moving_page(study, over_time)
     return rendered(
         "page.html",
         study=study,
+        scripts=(moving.script,),
+        moving=moving,
         model=study.model,
         facts=_facts(study),
         case=study.load_case,
@@ -61,7 +67,7 @@ def page(study: Study) -> str:
         energy=energy_text(study.summary, study.motion.duration),
         **{table.__name__: table(study) for table in tables.TABLES},
         equations=equations,
-        plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
+        plots=plots,
         free_bodies=[
             (diagram, tables.loads(study, body))
             for diagram, body in zip(diagrams, loads, strict=True)
@@ -77,14 +83,15 @@ def rendered(template: str, *, study: Study | CycleStudy, **words: Any) -> str:
     return filled(template, study=study, doubts=doubts, **words)
 
 
-def filled(template: str, **words: Any) -> str:
+def filled(template: str, *, scripts: Sequence[str] = (), **words: Any) -> str:
     """The HTML text of a page, from its template: with the policy, colours and rules for paper that
-    all pages have."""
+    all pages have, and the scripts that this one runs."""
     return legal(
         _templates()
         .get_template(template)
         .render(
-            policy=Markup(policy()),
+            policy=Markup(policy(scripts)),
+            scripts=[Markup(script) for script in scripts],
             sheets=Markup(SHEETS),
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,6 +42,10 @@ class CaptionedDrawing:
 
     svg: str
     caption: str = ""
+    plot: Plot | None = None
+    """The curves of the drawing, where they are over the time of the motion."""
+    number: int | None = None
+    """Its number among those that follow the cursor of a page."""
 
 
 def robot(study: Study) -> CaptionedDrawing:
@@ -166,7 +170,7 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
         f"hold at rest within their limits; friction does not count. At least "
         f"{significant(float(mass[least]))} kg, at t = {study.motion.t[least]:.3g} s."
     )
-    yield CaptionedDrawing(curve.svg, words)
+    yield replace(curve, caption=words)
     found = lifting_over_plane(study)
     if found is not None:
         yield CaptionedDrawing(
@@ -261,7 +265,23 @@ def _plot(
     what = Plot(
         title, study.motion.t, curves, unit, limits, at, peaks, names, colours=colours, also=also
     )
-    return CaptionedDrawing(plot(what).text(css=False))
+    return CaptionedDrawing(plot(what).text(css=False), plot=what)
+
+
+def numbered(
+    plots: dict[str, list[CaptionedDrawing]],
+) -> tuple[dict[str, list[CaptionedDrawing]], list[Plot]]:
+    """The figures of a page with numbers on those that are curves over the motion, and what these
+    show."""
+    found: list[Plot] = []
+
+    def one(figure: CaptionedDrawing) -> CaptionedDrawing:
+        if figure.plot is None:
+            return figure
+        found.append(figure.plot)
+        return replace(figure, number=len(found) - 1)
+
+    return {name: list(map(one, figures)) for name, figures in plots.items()}, found
 
 
 PLOTS = (kinematics, gravity, lifting, motion, torques, powers, energies, reactions, drift)

@@ -5,13 +5,9 @@ from __future__ import annotations
 
 import json
 import math
-import re
-import zlib
-from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
-from importlib import resources
 from typing import Any
 
 from freebody.expressions.expression import Symbol
@@ -20,6 +16,7 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
+from freebody.outputs.page_script import joined, packed
 from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
@@ -51,6 +48,7 @@ MOST_BODIES = 30
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
+_FOLDER = "freebody_textbook.living"
 SCRIPTS = (
     "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
     "free_bodies.js", "closing.js", "answers.js", "page.js",
@@ -156,7 +154,9 @@ def _parts(
     return LivingParts(
         panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
-        _code(["unpacked.js"]).replace("PAGE", packed(data)).replace("SCRIPT", packed(run)),
+        joined(_FOLDER, ["unpacked.js"])
+        .replace("PAGE", packed(data))
+        .replace("SCRIPT", packed(run)),
         run,
     )
 
@@ -296,37 +296,8 @@ def _angles(derivation: Derivation) -> set[str]:
     return {name for names, body in pairs for name in names if body.kind.turns}
 
 
-def packed(text: str) -> str:
-    """Deflate-compressed text, which browsers can decompress."""
-    return b64encode(zlib.compress(text.encode(), 9)).decode()
-
-
 @cache
 def _script() -> str:
     """The part of the script common to all pages."""
-    return f'(function () {{\n"use strict";\n{_code(SCRIPTS)}\n}})();\n'
-
-
-def _code(names: Iterable[str]) -> str:
-    """Script files joined, without comments."""
-    folder = resources.files("freebody_textbook.living")
-    text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
-    lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
-    return "\n".join(_dense(line) for line in lines if not line.startswith("//"))
-
-
-_QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
-_BLANKS = re.compile(
-    r" (?=[=<>?:,;{}()\[\]&|*])|(?<=[=<>?:,;{}()\[\]&|*!]) (?![-+])"
-    r"|(?<=[\w)\]]) (?=[-+] [\w(\[])|(?<=[\w)\]] [-+]) (?=[\w(\[])"
-)
-"""Around signs, but where two would be another."""
-
-
-def _dense(line: str) -> str:
-    """A script line without most blanks; a line that may contain a regular expression is
-    unchanged."""
-    parts = _QUOTED.split(line)
-    if any("/" in code for code in parts[::2]):
-        return line
-    return "".join(x if k % 2 else _BLANKS.sub("", x) for k, x in enumerate(parts))
+    numbers = joined("freebody.moving", ["numbers.js"])
+    return f'(function () {{\n"use strict";\n{numbers}\n{joined(_FOLDER, SCRIPTS)}\n}})();\n'

@@ -4,17 +4,6 @@
 const find = (id) => document.getElementById(id);
 const x = Float64Array.from([...page.inputs.map((input) => input.value), ...page.others]), y = new Float64Array(page.size);
 
-// A number with so many digits, as `significant` of Python has it; in a title all of them stand.
-// Loops are closed to 1e-12.
-const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-function significant(value, digits = 3) {
-  if (!Number.isFinite(value)) return "no number";
-  const [mantissa, power] = (Math.abs(value) < 1e-11 ? 0 : value).toExponential(digits - 1).split("e");
-  const size = Number(power), signed = (text) => text.replace("-", "\u2212");
-  if (Number(mantissa) === 0) return "0";
-  if (size >= -3 && size < 5) return signed(value.toFixed(Math.max(digits - 1 - size, 0)));
-  return signed(mantissa) + "·10" + (size < 0 ? "⁻" : "") + [...String(Math.abs(size))].map((digit) => RAISED[digit]).join("");
-}
 const valueOf = (places, y) => places.length > 1 ? places.map((k) => y[k]) : y[places[0]];
 const told = (value, digits) => Array.isArray(value) ? `[${value.map((one) => significant(one, digits)).join(", ")}]` : significant(value, digits);
 

@@ -3,6 +3,7 @@ runs or fetches."""
 
 from __future__ import annotations
 
+import re
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -66,7 +67,8 @@ def test_no_page_offends_its_policy(arm: fb.Study, chromium, tmp_path):
         chromium.get(path.as_uri())
         assert chromium.get_log("browser") == [], name
         scripts = chromium.execute_script("return document.scripts.length")
-        assert scripts == 2 * (name in LIVING), name  # one, which inflates another
+        # those of derivations inflate another
+        assert scripts == (1 if name == "study" else 2 * (name in LIVING)), name
         titles = {"notes": "Dynamics of", "chapter": "1 Motion"}
         assert chromium.title.startswith(titles.get(name, "<script>alert(2)</script>: "))
 
@@ -101,9 +103,10 @@ def test_nothing_that_is_put_into_a_page_runs_or_fetches(arm: fb.Study, chromium
     chromium.get(path.as_uri())
     assert chromium.title == "<script>alert(2)</script>: dynamic study"
 
-    tried(page.replace(policy(), ""))  # what the policy is good for
+    free = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
+    tried(free)  # what the policy is good for
     assert len(set(asked)) > 5
-    path.write_text(page.replace(policy(), ""), encoding="utf-8")
+    path.write_text(free, encoding="utf-8")
     chromium.get(path.as_uri())
     assert chromium.title == "run"
 

@@ -24,7 +24,8 @@ LARGEST = 2_000_000  # bytes
 CELLS = """return [...document.querySelectorAll('[data-var]')].map(c => ({
   text: c.querySelector('span').textContent,
   var: c.dataset.var, at: c.dataset.at, value: c.dataset.value, scale: c.dataset.scale || '1'}))"""
-PICTURES = """return [...document.querySelectorAll('svg')].map(s => {
+PICTURES = """return [...document.querySelectorAll('svg[role=img]')]
+  .filter(s => !s.closest('.still')).map(s => {
   const box = s.getBBox(), shown = s.getBoundingClientRect();
   return {label: s.getAttribute('aria-label'), width: box.width, height: box.height,
     shown: shown.width, drawn: s.querySelectorAll('path,circle').length,

@@ -104,15 +104,15 @@ def joint(place: DrawnJoint, radius: float = 0.0) -> list[Element]:
         return [Mark(end, kind.mark, name, "joint", direction, size) for end in ends if kind.mark]
     return [
         Prism(
-            at if part.moves else point(place.carrier), point(along), part.radius * radius,
+            at if part.moves else point(place.carrier), point(way), part.radius * radius,
             part.half * radius, name, "joint", part.sides,
         )
         for part in kind.solids
-        if (along := _along(place, part)) is not None
+        if (way := along(place, part)) is not None
     ]  # fmt: skip
 
 
-def _along(place: DrawnJoint, part: Solid) -> Array | None:
+def along(place: DrawnJoint, part: Solid) -> Array | None:
     """The direction of a part of a joint's symbol, in world axes; None where it is left open."""
     if part.along == "axis":
         return place.axis

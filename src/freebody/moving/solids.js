@@ -1,0 +1,81 @@
+// Solids as triangles in the world: each has its shape once, and is placed anew in every pose.
+
+const FRAME = 12, CAP = 4, FLAT = 6;
+// A profile is turned about the line between both ends: distance from it, way beyond an end, which
+// end, and the normal's two parts.
+function profileOf(radius, round) {
+  if (!round) return [[0, 0, 0, 0, -1], [radius, 0, 0, 0, -1], [radius, 0, 0, 1, 0], [radius, 0, 1, 1, 0], [radius, 0, 1, 0, 1], [0, 0, 1, 0, 1]];
+  return [0, 1].flatMap((end) => Array.from({length: CAP + 1}, (_, k) => {
+    const angle = Math.PI / 2 * (k / CAP + end - 1), c = Math.cos(angle), s = Math.sin(angle);
+    return [radius * c, radius * s, end, c, s];
+  }));
+}
+// Columns of a round solid belong to two of its sides; each side of a prism has two of its own.
+function columnsOf(sides) {
+  const angle = (k) => 2 * Math.PI * (k + 0.5) / sides;
+  if (sides > FLAT) return {columns: Array.from({length: sides}, (_, k) => [angle(k), angle(k)]), next: (k) => [k, (k + 1) % sides]};
+  const columns = Array.from({length: sides}, (_, k) => [[angle(k - 1), angle(k - 0.5)], [angle(k), angle(k - 0.5)]]).flat();
+  return {columns, next: (k) => [2 * k, 2 * k + 1]};
+}
+// The number of the axis of a frame that is most across a direction.
+const mostAcross = (way) => [0, 1, 2].reduce((best, k) => (Math.abs(way[k]) < Math.abs(way[best]) ? k : best), 0);
+
+class Solid {
+  constructor([role, a, b, radius, round, sides]) {
+    const profile = profileOf(radius, round), {columns, next} = columnsOf(sides), rows = profile.length;
+    Object.assign(this, {role, a, b, triangles: [], across: mostAcross([1, 2, 3].map((k) => b[k] - a[k]))});
+    this.local = columns.flatMap(([angle, normal]) => profile.map(([far, along, end, out, up]) =>
+      [far * Math.cos(angle), far * Math.sin(angle), along, end, out * Math.cos(normal), out * Math.sin(normal), up])).flat();
+    for (let side = 0; side < sides; side++) {
+      const [left, right] = next(side).map((k) => k * rows);
+      for (let k = 0; k + 1 < rows; k++) {
+        const [now, then] = [profile[k], profile[k + 1]];
+        if (now[0] === then[0] && now[1] === then[1] && now[2] === then[2]) continue;
+        if (now[0] > 1e-12) this.triangles.push(left + k, right + k, right + k + 1);
+        if (then[0] > 1e-12) this.triangles.push(left + k, right + k + 1, left + k + 1);
+      }
+    }
+  }
+  get size() { return this.local.length / 7; }
+  // Writes places and normals of its corners, from number `first` on.
+  place(frames, points, normals, first) {
+    const [ax, ay, az] = inWorld(frames, this.a), [bx, by, bz] = inWorld(frames, this.b);
+    let w = [bx - ax, by - ay, bz - az];
+    const far = Math.hypot(...w), at = FRAME * this.a[0];
+    w = far > 1e-12 ? w.map((x) => x / far) : [frames[at + 2], frames[at + 5], frames[at + 8]];
+    let u = [frames[at + this.across], frames[at + 3 + this.across], frames[at + 6 + this.across]];
+    const along = dot3(u, w);
+    u = unit3(u.map((x, k) => x - along * w[k]));
+    const v = cross3(w, u), {local} = this;
+    for (let k = 0, i = 3 * first; k < local.length; k += 7, i += 3) {
+      const x = local[k], y = local[k + 1], z = local[k + 2] + local[k + 3] * far, nx = local[k + 4], ny = local[k + 5], nz = local[k + 6];
+      points[i] = ax + u[0] * x + v[0] * y + w[0] * z;
+      points[i + 1] = ay + u[1] * x + v[1] * y + w[1] * z;
+      points[i + 2] = az + u[2] * x + v[2] * y + w[2] * z;
+      normals[i] = u[0] * nx + v[0] * ny + w[0] * nz;
+      normals[i + 1] = u[1] * nx + v[1] * ny + w[1] * nz;
+      normals[i + 2] = u[2] * nx + v[2] * ny + w[2] * nz;
+    }
+  }
+}
+const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross3 = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit3 = (a) => { const far = Math.hypot(...a); return a.map((x) => x / far); };
+// The place in the world of one that is fixed in a frame; frame 0 is the world.
+function inWorld(frames, [frame, x, y, z]) {
+  const k = FRAME * frame;
+  return [0, 1, 2].map((i) => frames[k + 9 + i] + frames[k + 3 * i] * x + frames[k + 3 * i + 1] * y + frames[k + 3 * i + 2] * z);
+}
+
+// All solids of a robot, in the order of their numbers: roles, and corners of triangles.
+class Solids {
+  constructor(solids) {
+    this.solids = solids.map((one) => new Solid(one));
+    const first = [0];
+    for (const solid of this.solids) first.push(first[first.length - 1] + solid.size);
+    this.first = first;
+    [this.points, this.normals] = [0, 1].map(() => new Float64Array(3 * first[first.length - 1]));
+    this.parts = this.solids.map((solid, k) => ({role: solid.role, corners: Uint32Array.from(solid.triangles, (i) => i + first[k])}));
+  }
+  place(frames) { this.solids.forEach((solid, k) => solid.place(frames, this.points, this.normals, this.first[k])); }
+}

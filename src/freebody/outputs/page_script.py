@@ -1,0 +1,41 @@
+"""Scripts of pages: files of JavaScript joined without comments and most blanks, and data that
+browsers inflate."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from base64 import b64encode
+from collections.abc import Iterable
+from importlib import resources
+
+
+def packed(data: str | bytes) -> str:
+    """Deflate-compressed text or bytes in base64, which browsers can decompress."""
+    raw = data.encode() if isinstance(data, str) else data
+    return b64encode(zlib.compress(raw, 9)).decode()
+
+
+def joined(package: str, names: Iterable[str]) -> str:
+    """The script files of a package joined, without comments."""
+    folder = resources.files(package)
+    text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
+    lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
+    return "\n".join(_dense(line) for line in lines if not line.startswith("//"))
+
+
+_QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
+_BLANKS = re.compile(
+    r" (?=[=<>?:,;{}()\[\]&|*])|(?<=[=<>?:,;{}()\[\]&|*!]) (?![-+])"
+    r"|(?<=[\w)\]]) (?=[-+] [\w(\[])|(?<=[\w)\]] [-+]) (?=[\w(\[])"
+)
+"""Around signs, but where two would be another."""
+
+
+def _dense(line: str) -> str:
+    """A script line without most blanks; a line that may contain a regular expression is
+    unchanged."""
+    parts = _QUOTED.split(line)
+    if any("/" in code for code in parts[::2]):
+        return line
+    return "".join(x if k % 2 else _BLANKS.sub("", x) for k, x in enumerate(parts))

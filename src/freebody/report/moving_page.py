@@ -1,0 +1,190 @@
+"""The moving parts of a study's page: the robot, one cursor through all curves, and the instants
+that matter."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.arrays import Array
+from freebody.figures.plots import Plot, axes_of
+from freebody.moving.placements import placements
+from freebody.moving.scene import scene
+from freebody.outputs.page_script import joined, packed
+from freebody.report.page_tables import EVERYDAY
+from freebody.report.tables import shortened
+
+if TYPE_CHECKING:
+    from freebody.report.study import Study
+
+_MOST = 600
+"""Instants at which a page shows a motion; of longer ones every second sample, or fewer."""
+_MARKS = 6  # instants with a button of their own
+_DRIVES = 12  # rows of the table of an instant
+_RENDERER = (
+    "numbers.js", "inflated.js", "solids.js", "raster.js", "camera.js", "floor.js", "labels.js",
+    "stage.js",
+)  # fmt: skip
+_USED = 3  # limits whose nearest instants are marked
+
+
+@dataclass(frozen=True)
+class Instant:
+    """An instant to go to: its number among those that are shown, its time in print, and why."""
+
+    index: int
+    time: str
+    words: str
+
+
+@dataclass(frozen=True)
+class NowCell:
+    """A number that follows the cursor: its column among the curves, the unit in which it is shown,
+    and how many of them are one of the column's."""
+
+    column: int
+    unit: str
+    scale: float
+
+
+@dataclass(frozen=True)
+class NowRow:
+    """A drive at the instant that is shown; None: it has no such number."""
+
+    name: str
+    cells: tuple[NowCell | None, ...]
+
+
+@dataclass(frozen=True)
+class MovingPage:
+    """The parts of a study's page that move: the script, and what its template writes."""
+
+    script: str
+    instants: tuple[Instant, ...]
+    heads: tuple[str, ...]
+    rows: tuple[NowRow, ...]
+
+
+def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
+    """The moving parts of a page with some plots over the motion's time, numbered in order."""
+    t = study.motion.t
+    marks = list(_marks(study))
+    kept = _kept(len(t), [k for k, _ in marks])
+    columns = _ShownCurves(kept)
+    shown = [_plotted(plot, columns) for plot in plots]
+    rows = tuple(_rows(study, columns))
+    places = {int(k): n for n, k in enumerate(kept)}
+    instants = tuple(Instant(places[k], f"{t[k]:.3g}", words) for k, words in marks)
+    data = {
+        "scene": scene(study.model, study.motion.q).data,
+        "bodies": len(study.model.bodies),
+        "nq": study.model.nq,
+        "plots": shown,
+        "first": places[study.worst.index],
+    }
+    script = joined("freebody.moving", _RENDERER) + "\n"
+    player = joined("freebody.report", ["templates/player.js"])
+    packs = {
+        "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
+        "TIMES": _numbers(t[kept]),
+        "POSITIONS": _numbers(study.motion.q[kept]),
+        "VALUES": _numbers(np.array(columns.found, dtype=np.float32)),
+    }
+    for word, pack in packs.items():
+        player = player.replace(f'"{word}"', f'"{pack}"')
+    text = f'"use strict";\n{placements(study.model)}\n{script}{player}\n'
+    return MovingPage(text, instants, ("position", "speed", "torque, force"), rows)
+
+
+def _marks(study: Study) -> Iterator[tuple[int, str]]:
+    """Samples that a reader wants to see, and why: the worst instant, where limits are used most,
+    the nearest singular pose."""
+    t, taken = study.motion.t, set[int]()
+    wanted = [(study.worst.time, f"worst torque, {study.worst.coordinate}")]
+    for use in study.verdict.uses[:_USED]:
+        if math.isfinite(use.time):
+            bound = "half range" if use.quantity == "position" else "limit"
+            share = f"{100 * use.fraction:.0f} % of its {bound}"
+            wanted.append((use.time, f"{use.quantity} of {use.coordinate}, {share}"))
+    if study.singularity is not None:
+        wanted.append((study.singularity.time, "nearest singular pose"))
+    wanted.append((float(t[0]), "start"))
+    for time, words in wanted[:_MARKS]:
+        k = int(np.argmin(np.abs(t - time)))
+        if k not in taken:
+            taken.add(k)
+            yield k, words
+
+
+def _kept(count: int, marked: Iterable[int]) -> NDArray[np.intp]:
+    """Numbers of the samples that a page shows: evenly apart, and those that are marked."""
+    even = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
+    return np.unique(np.array([*even.tolist(), *marked], dtype=np.intp))
+
+
+class _ShownCurves:
+    """Curves at the instants that are shown, each once."""
+
+    def __init__(self, kept: NDArray[np.intp]):
+        self._kept, self._numbers = kept, dict[bytes, int]()
+        self.found: list[NDArray[np.float32]] = []
+
+    def number(self, curve: Array) -> int:
+        """The number of a curve (T,)."""
+        column = np.asarray(curve, dtype=np.float32)[self._kept]
+        number = self._numbers.setdefault(column.tobytes(), len(self.found))
+        if number == len(self.found):
+            self.found.append(column)
+        return number
+
+
+def _plotted(plot: Plot, columns: _ShownCurves) -> dict[str, Any]:
+    """A plot's axes and curves as a page reads them."""
+    axes = axes_of(plot)
+    return {
+        "page": axes.box,
+        "time": axes.time,
+        "range": axes.range,
+        "log": axes.log,
+        "unit": plot.unit,
+        "curves": [
+            {"name": name, "colour": plot.colour(name), "column": columns.number(curve)}
+            for name, curve in plot.curves.items()
+        ],
+    }
+
+
+def _rows(study: Study, columns: _ShownCurves) -> Iterator[NowRow]:
+    """The rows of the table of an instant; none where a robot has many drives."""
+    model, data = study.model, study.data
+    driven = list(model.driven_names)
+    if len(driven) > _DRIVES:
+        return
+    positions = [str(x) for x in data["position"].values]
+    for name, short in zip(driven, shortened(driven), strict=True):
+        k = model.velocity_names.index(name)
+        unit, effort = (str(data[x].values[k]) for x in ("unit", "effort_unit"))
+        at = data["q"].values[:, positions.index(name)] if name in positions else None
+        scale, everyday = EVERYDAY[unit]
+        if unit == "m":
+            scale, everyday = 1.0, "m"
+        yield NowRow(
+            short,
+            (
+                None if at is None else NowCell(columns.number(at), everyday, scale),
+                NowCell(columns.number(data["qd"].values[:, k]), f"{unit}/s", 1.0),
+                NowCell(columns.number(data["tau"].values[:, k]), effort, 1.0),
+            ),
+        )
+
+
+def _numbers(x: NDArray[Any]) -> str:
+    """Numbers as a page inflates them: bytes of equal weight together, which packs them better."""
+    little = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("<"))
+    return packed(little.view(np.uint8).reshape(-1, x.dtype.itemsize).T.tobytes())

@@ -1,0 +1,149 @@
+// The motion of a study: one cursor moves the robot, the curves and the table of this instant.
+
+const find = (id) => document.getElementById(id), SVG = "http://www.w3.org/2000/svg";
+function made(name, attributes, parent) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  parent.append(element);
+  return element;
+}
+
+// A plot on the page: a vertical line with a dot on each curve, and what they are there.
+class Reading {
+  constructor(figure, plot, columns) {
+    Object.assign(this, {figure, plot, columns, svg: figure.querySelector("svg"), seen: false});
+    this.line = made("line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]}, this.svg);
+    this.dots = plot.curves.map(({colour}) => made("circle", {class: `spot${colour} f${colour}`, r: 3}, this.svg));
+    this.text = document.createElement("p");
+    this.text.className = "reading";
+    this.values = plot.curves.map(({name, colour}) => {
+      const item = document.createElement("span"), mark = made("svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}, item), value = document.createElement("b");
+      made("circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4}, mark);
+      item.append(` ${name} `, value);
+      this.text.append(item, " ");
+      return value;
+    });
+    this.svg.after(this.text);
+  }
+  place(t, value) {
+    const {page: [left, top, right, bottom], time: [a, b], range: [low, high], log} = this.plot;
+    const y = log ? Math.log10(Math.max(Math.abs(value), 1e-300)) : value;
+    return [left + (t - a) / (b - a || 1) * (right - left), bottom - (y - low) / (high - low) * (bottom - top)];
+  }
+  show(t, k) {
+    const [x] = this.place(t, 0), {unit} = this.plot;
+    this.line.setAttribute("x1", x);
+    this.line.setAttribute("x2", x);
+    this.columns.forEach((column, i) => {
+      const value = column.values[k], [, y] = this.place(t, value);
+      this.dots[i].setAttribute("cx", x);
+      this.dots[i].setAttribute("cy", Number.isFinite(y) ? y : -99);
+      this.values[i].textContent = `${onCurve(value, column.largest)} ${unit}`;
+    });
+  }
+  // The time at a place of the window.
+  time(clientX) {
+    const box = this.svg.getBoundingClientRect(), x = (clientX - box.left) / box.width * this.svg.viewBox.baseVal.width;
+    const {page: [left,, right], time: [a, b]} = this.plot;
+    return a + (x - left) / (right - left) * (b - a);
+  }
+}
+
+class Player {
+  constructor(study, t, q, columns) {
+    Object.assign(this, {study, t, k: study.first, speed: 1, playing: false, work: []});
+    this.q = Array.from(t, (_, k) => q.subarray(k * study.nq, (k + 1) * study.nq));
+    this.columns = columns;
+    this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed);
+    this.stage.frame(this.q.filter((_, k) => k % Math.ceil(this.q.length / 40) === 0));
+    if (study.scene.tip) this.tips = this.stage.places(this.q, study.scene.tip);
+    this.stage.path = this.tips || [];
+    this.readings = [...document.querySelectorAll("[data-plot]")].map((figure) => {
+      const plot = study.plots[Number(figure.dataset.plot)];
+      return new Reading(figure, plot, plot.curves.map(({column}) => columns[column]));
+    });
+    const seen = new IntersectionObserver((entries) => {
+      for (const {target, isIntersecting} of entries) this.readings.find(({figure}) => figure === target).seen = isIntersecting;
+      this.read();
+    }, {rootMargin: "200px"});
+    for (const reading of this.readings) {
+      const {figure, svg} = reading, hover = (event) => { this.pause(); this.seek(reading.time(event.clientX)); };
+      seen.observe(figure);
+      svg.addEventListener("pointermove", hover);
+      svg.addEventListener("pointerdown", hover);
+    }
+    this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, column: columns[Number(cell.dataset.now)], factor: Number(cell.dataset.scale)}));
+    this.slider = find("time");
+    Object.assign(this.slider, {min: 0, max: t.length - 1, step: 1});
+    this.slider.addEventListener("input", () => { this.pause(); this.show(Number(this.slider.value)); });
+    find("play").addEventListener("click", () => (this.playing ? this.pause() : this.play()));
+    find("speed").addEventListener("change", () => { this.speed = Number(find("speed").value); this.begin(); });
+    for (const button of document.querySelectorAll("[data-instant]")) {
+      button.addEventListener("click", () => { this.pause(); this.show(Number(button.dataset.instant)); });
+    }
+    find("canvas").addEventListener("keydown", (event) => {
+      if (event.key !== " ") return;
+      event.preventDefault();
+      find("play").click();
+    });
+    this.show(this.k);
+  }
+  // The nearest instant to a time.
+  nearest(time) {
+    let low = 0, high = this.t.length - 1;
+    while (high - low > 1) { const middle = low + high >> 1; if (this.t[middle] <= time) low = middle; else high = middle; }
+    return Math.abs(this.t[high] - time) < Math.abs(time - this.t[low]) ? high : low;
+  }
+  seek(time) { this.show(this.nearest(time)); }
+  show(k) {
+    const start = performance.now();
+    this.k = k;
+    this.stage.show(this.q[k]);
+    this.slider.value = k;
+    this.slider.setAttribute("aria-valuetext", `${this.t[k].toFixed(3)} s`);
+    find("instant").textContent = `${this.t[k].toFixed(3)} s`;
+    for (const {cell, column, factor} of this.rows) cell.textContent = onCurve(factor * column.values[k], factor * column.largest);
+    this.read();
+    this.work.push(performance.now() - start);
+    if (this.work.length > 600) this.work.shift();
+  }
+  read() { for (const one of this.readings) if (one.seen) one.show(this.t[this.k], this.k); }
+  // Time runs from what is shown now.
+  begin() { this.began = [performance.now(), this.t[this.k]]; }
+  play() {
+    this.playing = true;
+    if (this.k === this.t.length - 1) this.k = 0;
+    this.begin();
+    find("play").textContent = "Pause";
+    const end = this.t[this.t.length - 1], first = this.t[0], run = () => {
+      if (!this.playing) return;
+      let time = this.began[1] + (performance.now() - this.began[0]) / 1000 * this.speed;
+      const over = time >= end, again = find("loop").checked;
+      if (over && again) {
+        time = first + (time - first) % (end - first || 1);
+        this.began = [performance.now(), time];
+      }
+      const k = this.nearest(Math.min(time, end));
+      if (k !== this.k) this.show(k);
+      if (over && !again) this.pause(); else requestAnimationFrame(run);
+    };
+    requestAnimationFrame(run);
+  }
+  pause() {
+    this.playing = false;
+    find("play").textContent = "Play";
+  }
+}
+
+let player;
+(async () => {
+  const study = JSON.parse(new TextDecoder().decode(await inflated("STUDY")));
+  const [t, q, values] = [await numbers("TIMES", Float64Array), await numbers("POSITIONS", Float64Array), await numbers("VALUES", Float32Array)];
+  const count = t.length, columns = Array.from({length: values.length / count}, (_, k) => {
+    const own = values.subarray(k * count, (k + 1) * count);
+    return {values: own, largest: own.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0)};
+  });
+  document.documentElement.classList.add("moves");
+  for (const hidden of document.querySelectorAll(".moving[hidden]")) hidden.hidden = false;
+  player = new Player(study, t, q, columns);
+})();

@@ -1,0 +1,197 @@
+"""The page that moves, in a real browser: places of the tip as Python has them, one cursor for
+robot, curves and table, keys alone, and the still page where no script runs and on paper."""
+
+from __future__ import annotations
+
+import base64
+import json
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from support.browser import browser
+
+pytestmark = pytest.mark.browser
+
+PLACES = "return player.stage.places(player.q, player.study.scene.tip)"
+SAMPLES = "return [[...player.t], player.q.map(q => [...q])]"
+KEY = """const [id, key] = arguments, target = document.getElementById(id);
+target.focus();
+target.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}));
+return document.activeElement === target"""
+VIEW = (
+    "const c = player.stage.camera; return [...c.right, ...c.up, ...c.towards, ...c.aside, c.zoom]"
+)
+LABELS = """const found = [];
+for (let n = 0; n < 200; n++) {
+  player.show(n * 37 % player.t.length);
+  if (!player.study.scene.flat) player.stage.camera.turn(n * 31 % 360, n * 17 % 90 - 45);
+  player.stage.draw();
+  const boxes = [...document.querySelectorAll('#names text')].map(t => t.getBoundingClientRect());
+  boxes.forEach((a, i) => boxes.slice(0, i).forEach(b => {
+    const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+    const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+    if (wide > 1 && high > 4) found.push(n);
+  }));
+}
+return found"""
+NOW = """player.show(arguments[0]);
+return [...document.querySelectorAll('.now tbody tr')].map(row =>
+  [...row.querySelectorAll('[data-now]')].map(cell => cell.textContent))"""
+WORK = """const done = arguments[0];
+player.work.length = 0; player.speed = 1; player.play();
+setTimeout(() => { player.pause(); done([player.work, player.k]); }, 1000)"""
+PIXELS = """const c = document.getElementById('canvas'), seen = new Set();
+const {data} = c.getContext('2d').getImageData(0, 0, c.width, c.height);
+for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
+return seen.size"""
+LARGEST = 800_000  # bytes
+ROBOTS = ("2R", pytest.param("ur5e", marks=pytest.mark.long), "five_bar")
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def study(request):
+    return fb.study(fb.load(request.param))
+
+
+@pytest.fixture(scope="module")
+def path(study, tmp_path_factory):
+    return study.to_html(tmp_path_factory.mktemp("page") / "index.html")
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as driver:
+        yield driver
+
+
+@pytest.fixture
+def page(path, chromium):
+    """The page, moving."""
+    metrics = {"width": 1400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    chromium.get_log("performance")  # what came before
+    chromium.get(path.as_uri())
+    chromium.execute_async_script(
+        "const done = arguments[0], wait = () => (player ? done() : setTimeout(wait, 5)); wait()"
+    )
+    return chromium
+
+
+DIGITS = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
+
+
+def number(text: str) -> float:
+    """A number as the page prints it."""
+    return float(text.replace("·10", "e").translate(DIGITS))
+
+
+def test_the_tip_is_where_python_has_it(study, page, path):
+    assert path.stat().st_size < LARGEST
+    t, q = map(np.array, page.execute_script(SAMPLES))
+    kept = np.searchsorted(study.motion.t, t)
+    assert np.array_equal(study.motion.t[kept], t)
+    assert np.array_equal(study.motion.q[kept], q)
+    places = np.array(page.execute_script(PLACES))
+    expected = study.data["tip_position"].values[kept]
+    assert np.abs(places[:, : expected.shape[1]] - expected).max() < 1e-9
+
+
+def test_nothing_is_asked_for_and_nothing_fails(page, path):
+    events = [json.loads(entry["message"])["message"] for entry in page.get_log("performance")]
+    asked = [
+        e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"
+    ]
+    assert [url for url in asked if not url.startswith("data:font/")] == [path.as_uri()]
+    assert page.get_log("browser") == []
+    assert page.execute_script(PIXELS) > 50  # shades
+
+
+def test_one_cursor_moves_everything(study, page):
+    instant = 100
+    t = page.execute_script(SAMPLES)[0][instant]
+    k = int(np.searchsorted(study.motion.t, t))
+    rows = page.execute_script(NOW, instant)
+    assert len(rows) == len(study.model.driven_names)
+    for name, row in zip(study.model.driven_names, rows, strict=True):
+        at = {"time": k, "coordinate": study.model.velocity_names.index(name)}
+        torque = study.data["tau"]
+        largest = float(np.abs(torque.isel(coordinate=at["coordinate"])).max())
+        assert abs(number(row[-1]) - float(torque.isel(at))) <= 1e-3 * largest
+    page.execute_script("document.querySelector('[data-plot] svg').scrollIntoView()")
+    told = page.execute_async_script(
+        """const done = arguments[0], reading = player.readings[0];
+        const look = () => reading.line.getAttribute('x1')
+          ? done([reading.time(reading.line.getBoundingClientRect().left),
+                  reading.text.textContent])
+          : setTimeout(look, 5);
+        look()"""
+    )
+    step = study.motion.duration / 100
+    assert abs(told[0] - t) < step
+    assert any(character.isdigit() for character in told[1])
+    page.execute_script(
+        """const svg = document.querySelector('[data-plot] svg'), box = svg.getBoundingClientRect();
+        svg.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2}))"""
+    )
+    middle = page.execute_script(
+        "return [player.t[player.k], Number(player.slider.value), player.k]"
+    )
+    assert abs(middle[0] - study.motion.duration / 2) < 0.1 * study.motion.duration
+    assert middle[1] == middle[2]
+
+
+def test_the_worst_instant_is_gone_to(study, page):
+    page.execute_script("player.show(0); document.querySelector('[data-instant]').click()")
+    shown = page.execute_script("return player.t[player.k]")
+    assert shown == study.motion.t[study.worst.index]
+
+
+def test_keys_alone_suffice(study, page):
+    before = page.execute_script(VIEW)
+    for key in ("ArrowLeft", "+"):
+        assert page.execute_script(KEY, "canvas", key)
+        after = page.execute_script(VIEW)
+        assert after != before
+        before = after
+    page.execute_script(KEY, "canvas", "0")
+    page.execute_script(KEY, "canvas", " ")
+    assert page.execute_script("return player.playing")
+    page.execute_script(KEY, "canvas", " ")
+    assert not page.execute_script("return player.playing")
+    assert page.execute_script("return find('play').textContent") == "Play"
+
+
+def test_it_plays_by_the_clock(study, page):
+    """A second of the motion takes a second; what a frame works is told by the page."""
+    start = page.execute_script("player.show(0); return player.k")
+    work, k = page.execute_async_script(WORK)
+    t = page.execute_script("return player.t[player.k]")
+    assert start == 0 < k
+    assert len(work) > 3
+    assert 0.5 < t < 1.6
+    assert np.median(work) < 30  # ms, on a machine with other work
+
+
+def test_names_stand_on_no_other(page):
+    assert page.execute_script(LABELS) == []
+
+
+def test_the_page_stands_still_without_scripts_and_on_paper(study, path, chromium):
+    shown = """return [...document.querySelectorAll('.still, .moving')].map(e =>
+      [e.className.split(' ')[0], e.getBoundingClientRect().height > 0])"""
+    chromium.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+    try:
+        chromium.get(path.as_uri())
+        without = chromium.execute_script(shown)
+    finally:
+        chromium.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+    assert without == [["still", True], ["still", True], ["moving", False], ["moving", False]]
+    chromium.get(path.as_uri())
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    on_paper = chromium.execute_script(shown)
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert on_paper == without
+    options = {"preferCSSPageSize": True}
+    assert len(base64.b64decode(chromium.execute_cdp_cmd("Page.printToPDF", options)["data"])) > 1e4
