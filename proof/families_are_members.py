@@ -1,5 +1,5 @@
-"""A thousand UR5e with different payloads, computed at once, have the torques that each has alone: to
-1e-13 of the largest."""
+"""A thousand UR5e with different payloads, computed at once, have the torques that each has alone:
+to 1e-13 of the largest."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
-"""A spinning quadrotor without gravity and thrust keeps its momentum and angular momentum over 10 s of
-simulation, to 1e-7 of them, while it tumbles."""
+"""A spinning quadrotor without gravity and thrust keeps its momentum and angular momentum over 10 s
+of simulation, to 1e-7 of them, while it tumbles."""
 
 import numpy as np
 

@@ -1,7 +1,5 @@
-"""A block of 2 kg that slides at 3 m/s against 5 N of dry friction comes to rest after v² m / 2F, and
-stays there: to 1e-9 m."""
-
-import numpy as np
+"""A block of 2 kg that slides at 3 m/s against 5 N of dry friction comes to rest after v² m / 2F,
+and stays there: to 1e-9 m."""
 
 import freebody as fb
 

@@ -1,5 +1,5 @@
-"""Compiled code and NumPy evaluate a UR5e's forward dynamics alike, in 1000 random states: to 1e-12 of
-the largest acceleration."""
+"""Compiled code and NumPy evaluate a UR5e's forward dynamics alike, in 1000 random states: to 1e-12
+of the largest acceleration."""
 
 import numpy as np
 

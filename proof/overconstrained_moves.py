@@ -1,5 +1,5 @@
-"""Bricard's loop of six joints moves with one degree of freedom where the count of Grübler gives none,
-and the Stewart platform has six."""
+"""Bricard's loop of six joints moves with one degree of freedom where the count of Grübler gives
+none, and the Stewart platform has six."""
 
 import freebody as fb
 
@@ -7,6 +7,7 @@ found = {}
 for name in ("bricard", "stewart"):
     robot = fb.load(name)
     found[name] = fb.mobility(robot, fb.assemble(robot))
-print(f"bricard {found['bricard'].generic} (Grübler {found['bricard'].gruebler}), stewart 6")
-assert (found["bricard"].generic, found["bricard"].gruebler) == (1, 0)
-assert found["stewart"].generic == 6
+moves = {name: (mobility.generic, mobility.gruebler) for name, mobility in found.items()}
+print("; ".join(f"{name} {k}, Grübler {by}" for name, (k, by) in moves.items()))
+assert moves["bricard"] == (1, 0)
+assert moves["stewart"][0] == 6

@@ -1,5 +1,5 @@
-"""The torques of a UR5e, a Panda and a Puma are their regressors times their inertial parameters, in
-200 random states each: to 1e-11 of the largest torque."""
+"""The torques of a UR5e, a Panda and a Puma are their regressors times their inertial parameters,
+in 200 random states each: to 1e-11 of the largest torque."""
 
 import numpy as np
 
