@@ -24,6 +24,7 @@ include_patterns = [
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "SECURITY.md",
+    "THIRD-PARTY.md",
 ]
 exclude_patterns = ["docs/site/**", "docs/gallery/made/pages"]
 extensions = [

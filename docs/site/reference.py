@@ -15,6 +15,7 @@ from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import freebody as fb
 
+EXPERIMENTAL = "## Experimental names"
 ROW = re.compile(r"^\| `fb\.(\w+)` \| (.*) \|$")
 CODE = re.compile(r"(``[^`]+``|`[^`\n]+`)")
 SECTIONS = Config(napoleon_use_param=False, napoleon_use_rtype=False)
@@ -26,11 +27,12 @@ def write_pages(app: Sphinx) -> None:
     folder = Path(app.srcdir, "docs", "reference")
     folder.mkdir(exist_ok=True)
     index = ["Reference", "=========", "", "Every public name, from its docstring.", ""]
+    experimental = _experimental(Path(app.srcdir, "docs", "releases.md"))
     for heading, names in _groups(Path(app.srcdir, "docs", "functions.md")):
         index += [heading, "-" * len(heading), "", ".. toctree::", "   :maxdepth: 1", ""]
         index += [*(f"   {name}" for name in names), ""]
         for name in names:
-            _write(folder / f"{name}.rst", _page(name))
+            _write(folder / f"{name}.rst", _page(name, experimental.get(name, "")))
     _write(folder / "index.rst", "\n".join(index))
 
 
@@ -44,15 +46,23 @@ def _groups(page: Path) -> list[tuple[str, list[str]]]:
     return [(heading, names) for heading, names in groups if names]
 
 
-def _page(name: str) -> str:
+def _experimental(page: Path) -> dict[str, str]:
+    """Of each name that the releases' page calls experimental, what may change."""
+    rows = page.read_text(encoding="utf-8").partition(EXPERIMENTAL)[2].splitlines()
+    return {row[1]: row[2] for line in rows if (row := ROW.match(line))}
+
+
+def _page(name: str, may_change: str) -> str:
+    """A page in reStructuredText; of an experimental name it begins with what may change."""
     title = f"fb.{name}"
     what = getattr(fb, name)
     if isinstance(what, type):
         kind = "autoexception" if issubclass(what, BaseException) else "autoclass"
     else:
         kind = "autofunction" if callable(what) else "automodule"
+    note = f".. admonition:: Experimental\n\n   {may_change}\n\n" if may_change else ""
     members = "" if kind == "autofunction" else "   :members:\n"
-    return f"{title}\n{'=' * len(title)}\n\n.. {kind}:: freebody.{name}\n{members}"
+    return f"{title}\n{'=' * len(title)}\n\n{note}.. {kind}:: freebody.{name}\n{members}"
 
 
 def _write(path: Path, text: str) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from freebody.locks import imported
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _PLACES = {
     "freebody.errors": (

@@ -91,7 +91,7 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
         )
     return (
         f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
-        f'<input id="in{k}" type="range" data-input="{name}" '
+        f'<input id="in{k}" type="range" data-input="{name}" aria-label="{name}" '
         f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
         f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
     )
