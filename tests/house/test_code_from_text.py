@@ -54,6 +54,7 @@ EXECUTES = {
 
 KNOWN = {
     ("formats/mjcf/compiled.py", "from_string"): "MuJoCo's parser of XML, in a process of its own",
+    ("identification/calibration/chain.py", "compile"): "fb.compile of a function of our own",
     ("locks.py", "import_module"): "modules of the table of public names, and those that are there",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
     ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",

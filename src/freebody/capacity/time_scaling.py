@@ -429,7 +429,7 @@ _FASTEST = 1e4
 """A pace beyond which no motion is looked at; its inverse is one below which none is."""
 
 _TOGETHER = (4, 64)
-"""At least and at most so many pieces at a time: the fewer calls, the more work for nothing."""
+"""Pieces at a time, at least and at most: the fewer calls, the more work for nothing."""
 
 _NUMBERS = 2e5
 """Torques that are computed at a time; they stay in the processor's caches."""

@@ -1,4 +1,4 @@
-"""What to measure next, so that an identification tells what it does not tell yet."""
+"""Advice on what to measure next, so that an identification tells what it does not tell yet."""
 
 from __future__ import annotations
 

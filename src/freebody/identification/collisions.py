@@ -106,7 +106,7 @@ class DetectedCollisions(Tabled, ByValue):
         return TextTable(head, rows, (self.verdict, *self.notices))
 
 
-class _Residual(NamedTuple):
+class _MomentumResidual(NamedTuple):
     """The residual (n, joints) of a log without its slow part; its robust standard deviation
     (joints,); how much of it (n, joints) the dry friction of resting joints can be; and which
     samples (n,) tell something."""
@@ -161,7 +161,7 @@ def detect_collisions(
     above_zero(function, "observer", observer, "1/s")
     given = None if gains is None else np.broadcast_to(np.asarray(gains, float), (model.nv,))
 
-    def residual_of(x: Log | str) -> tuple[Log, _Residual]:
+    def residual_of(x: Log | str) -> tuple[Log, _MomentumResidual]:
         read = x if isinstance(x, Log) else read_log(x, model)
         require_joints(function, read, model.velocity_names)
         read = with_torques(function, read, given)
@@ -201,7 +201,7 @@ def detect_collisions(
     )
 
 
-def _residual(model: Model, log: Log, gain: float) -> _Residual:
+def _residual(model: Model, log: Log, gain: float) -> _MomentumResidual:
     """The residual of a log; the observer sees all samples at once, and its recursion, which is
     linear, is run behind it."""
     assert log.torque is not None
@@ -233,7 +233,7 @@ def _residual(model: Model, log: Log, gain: float) -> _Residual:
             f"without a gap; nothing is told."
         )
     spread = _NORMAL * np.median(np.abs(values[judged]), axis=0)
-    return _Residual(values, spread, filtered[1], judged)
+    return _MomentumResidual(values, spread, filtered[1], judged)
 
 
 def _friction(
@@ -251,7 +251,9 @@ def _friction(
     return 0.5 * (both[0] + both[1]), np.asarray(around, dtype=float)
 
 
-def _events(model: Model, log: Log, found: _Residual, threshold: Array) -> tuple[Collision, ...]:
+def _events(
+    model: Model, log: Log, found: _MomentumResidual, threshold: Array
+) -> tuple[Collision, ...]:
     """The pushes: runs of samples at which a residual is above its threshold, long enough, those
     near one another being one."""
     size = np.abs(found.values)

@@ -58,11 +58,11 @@ class FrictionDrift:
 
     @property
     def change(self) -> float:
-        """From the first block to the last, as part of the friction."""
+        """Change from the first block to the last, as part of the friction."""
         return float(self.factor[-1] - self.factor[0])
 
     def text(self) -> str:
-        """What happened, with numbers."""
+        """A sentence on what happened, with numbers."""
         low, high = int(np.argmin(self.factor)), int(np.argmax(self.factor))
         half = float(np.hypot(self.half[low], self.half[high]))
         said = (

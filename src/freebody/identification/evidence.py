@@ -1,4 +1,4 @@
-"""What a model predicts beside what logs have, sample by sample: the curves behind the numbers of
+"""Predictions of a model beside what logs have, sample by sample: the curves behind the numbers of
 an identification."""
 
 from __future__ import annotations

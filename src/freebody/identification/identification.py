@@ -91,7 +91,7 @@ class Identification(Tabled, ByValue):
     drift: tuple[FrictionDrift, ...] = ()
     """Friction of each joint block by block of time, where it is a notable part of the torque."""
     next: tuple[str, ...] = ()
-    """What to measure next, so that more is told."""
+    """Advice on what to measure next, so that more is told."""
     fits: tuple[LogFit, ...] = ()
     """The logs beside what the model predicts, those to validate with last."""
     _aside = ("verdict", "notices", "drift", "next", "fits")

@@ -38,7 +38,7 @@ class PayloadNumber:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IdentifiedPayload(Tabled, ByValue):
-    """What an arm carries, as its logs tell it.
+    """The load that an arm carries, as its logs tell it.
 
     model: the given one with the load. frame: that the load is fixed to, in whose axes its numbers
     are. numbers: mass, com.x, …, inertia.xx, … about the centre. friction: how it changed between

@@ -64,14 +64,14 @@ nothing, and part of a parameter (squared) in one, above which it is not told ei
 
 
 class _Evidence(NamedTuple):
-    """What logs say of base parameters, whatever friction was: an estimate (b,) and its information
+    """Evidence of logs on base parameters, whatever friction was: an estimate (b,) and its information
     (b, b), the inverse of its covariance."""
 
     base: Array
     information: Array
 
 
-class _Load(NamedTuple):
+class _FoundLoad(NamedTuple):
     """An unconstrained estimate of a load's parameters π (k,), its information and covariance,
     which of them are untold, and how far the data are from it: chi2 with its degrees of freedom."""
 
@@ -213,7 +213,7 @@ def _on_frame(model: Model, frame: str | None, columns: Columns) -> Array:
     return np.asarray(np.linalg.solve(own, np.array(added)).T, dtype=float)
 
 
-def _load(combine: Array, difference: Array, information: Array) -> _Load:
+def _load(combine: Array, difference: Array, information: Array) -> _FoundLoad:
     """The load that explains a difference of base parameters best."""
     M = combine.T @ information @ combine
     size = np.sqrt(np.maximum(np.diag(M), 0.0))
@@ -225,7 +225,7 @@ def _load(combine: Array, difference: Array, information: Array) -> _Load:
     estimate = covariance @ (combine.T @ information @ difference)
     gap = combine @ estimate - difference
     untold = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
-    return _Load(
+    return _FoundLoad(
         estimate,
         M,
         covariance,
@@ -261,7 +261,7 @@ def _ball(mass: float, centre: Array) -> Array:
     return of_moments(mass, mass * centre, mass * (np.outer(centre, centre) + spread))
 
 
-def _physical(load: _Load, told: bool, unsure: float) -> Array:
+def _physical(load: _FoundLoad, told: bool, unsure: float) -> Array:
     """The parameters π (k,) of the body nearest to an estimate."""
     dim = 2 if len(load.estimate) == 4 else 3
     mass = float(load.estimate[0]) if told else max(unsure, 1e-3)
@@ -279,7 +279,7 @@ def _result(
     model: Model,
     frame: str | None,
     name: str,
-    load: _Load,
+    load: _FoundLoad,
     changes: tuple[FrictionChange, ...],
     logs: Sequence[Log],
     known: bool,
@@ -312,7 +312,7 @@ def _tensor(pi: Array) -> Any:
 
 
 def _listed(
-    load: _Load, pi: Array, wider: float, told: bool, dim: int
+    load: _FoundLoad, pi: Array, wider: float, told: bool, dim: int
 ) -> tuple[PayloadNumber, ...]:
     """The load's numbers; without a mass that is told neither a centre nor an inertia is."""
     axes = "xyz"[:dim]

@@ -73,7 +73,7 @@ def write_calibration(
 def _made(
     model: Model, report: Callable[[], str], name: str, data: dict[str, Any]
 ) -> dict[str, Callable[[], str | bytes]]:
-    """What makes the robot, the report, and the data in a file of that name."""
+    """Makers of the files: the robot, the report, and the data in a file of that name."""
     return {
         MODEL: lambda: toml.written(model)[0],
         REPORT: report,

@@ -32,7 +32,7 @@ class Interval:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """That of its bounds together."""
+        """The shape of its bounds together."""
         return np.broadcast_shapes(np.shape(self.low), np.shape(self.high))
 
     def __getitem__(self, index: Any) -> Interval:

@@ -1,1 +1,1 @@
-"""From measured poses of a robot's tip to its geometry: `fb.calibrate`."""
+"""`fb.calibrate`: a robot's geometry from measured poses of its tip."""

@@ -22,9 +22,9 @@ from freebody.identification.calibration.calibration import (
     combinations_of,
     source_of,
 )
-from freebody.identification.calibration.chain import Chain, chain_to
-from freebody.identification.calibration.fit import Fit, fit
-from freebody.identification.calibration.instrument import Pose, guess
+from freebody.identification.calibration.chain import MeasuredChain, chain_to
+from freebody.identification.calibration.fit import CalibrationFit, fit
+from freebody.identification.calibration.instrument import FittedPose, guess
 from freebody.identification.calibration.misfit import misfits_of
 from freebody.identification.calibration.poses import Poses, poses_of, rotations
 from freebody.identification.calibration.read_poses import read_poses
@@ -155,7 +155,9 @@ def _poses(argument: str, model: Model, given: Any) -> Poses:
     )
 
 
-def _spread(chain: Chain, shift: float, turn: float, offset: float, gears: float | None) -> Array:
+def _spread(
+    chain: MeasuredChain, shift: float, turn: float, offset: float, gears: float | None
+) -> Array:
     """Standard deviations of the geometry beforehand."""
     a, b = (
         above_zero("calibrate", "shift", shift, "m"),
@@ -183,33 +185,33 @@ def _noise(given: Any, seen: Poses) -> Array | None:
     return found
 
 
-def _instrument(given: ArrayLike | None) -> Pose | None:
+def _instrument(given: ArrayLike | None) -> FittedPose | None:
     """The pose of the world in the instrument's axes, from that of the instrument in the world."""
     if given is None:
         return None
     T = _pose("instrument", given)
-    return Pose(T.R.T, -T.R.T @ T.p)
+    return FittedPose(T.R.T, -T.R.T @ T.p)
 
 
-def _marker(given: ArrayLike | None, seen: Poses) -> Pose | None:
+def _marker(given: ArrayLike | None, seen: Poses) -> FittedPose | None:
     if given is None:
         return None
     if np.shape(given) == (3,) and seen.rotation is None:
         place = as_floats("calibrate", "marker", given)
         refuse_not_finite("calibrate", "marker", place, 1, "xyz")
-        return Pose(np.eye(3), place)
+        return FittedPose(np.eye(3), place)
     return _pose("marker", given)
 
 
-def _pose(argument: str, given: ArrayLike) -> Pose:
+def _pose(argument: str, given: ArrayLike) -> FittedPose:
     T = as_floats("calibrate", argument, given)
     if T.shape != (4, 4):
         raise ShapeError("calibrate", argument, T.shape, "a pose (4, 4)")
     refuse_not_finite("calibrate", argument, T, 2)
-    return Pose(rotations("calibrate", argument, T[None, :3, :3])[0], T[:3, 3])
+    return FittedPose(rotations("calibrate", argument, T[None, :3, :3])[0], T[:3, 3])
 
 
-def _calibration(first: Fit, found: Fit, unseen: Poses | None) -> Calibration:
+def _calibration(first: CalibrationFit, found: CalibrationFit, unseen: Poses | None) -> Calibration:
     """The result of a fit; first: that of instrument and marker alone."""
     chain, k, kept = found.chain, found.geometry, found.kept
     names, spread = chain.names, found.spread[:k]
@@ -239,7 +241,7 @@ def _calibration(first: Fit, found: Fit, unseen: Poses | None) -> Calibration:
         tuple(combinations),
         covariance * np.outer(spread, spread),
         factors,
-        _matrix(Pose(R.T, -R.T @ p)),
+        _matrix(FittedPose(R.T, -R.T @ p)),
         _matrix(found.marker),
         PoseErrors(float(found.noise[0]), float(found.noise[1]) if len(found.noise) > 1 else None),
         left_out=left_out,
@@ -252,7 +254,7 @@ def _calibration(first: Fit, found: Fit, unseen: Poses | None) -> Calibration:
     )
 
 
-def _matrix(pose: Pose) -> Array:
+def _matrix(pose: FittedPose) -> Array:
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = pose
     return T
@@ -264,7 +266,7 @@ def _errors(residuals: Sequence[Array]) -> PoseErrors:
     return PoseErrors(found[0], found[1] if len(found) > 1 else None)
 
 
-def _parameters(found: Fit, covariance: Array) -> tuple[CalibratedParameter, ...]:
+def _parameters(found: CalibrationFit, covariance: Array) -> tuple[CalibratedParameter, ...]:
     from scipy.stats import norm, t
 
     wide = norm.ppf(_CONFIDENCE) if found.given else t.ppf(_CONFIDENCE, min(found.freedom))
@@ -283,7 +285,7 @@ def _parameters(found: Fit, covariance: Array) -> tuple[CalibratedParameter, ...
     return tuple(made)
 
 
-def _loud(found: Fit) -> bool:
+def _loud(found: CalibrationFit) -> bool:
     """Whether more is left than the stated noise explains."""
     _, rest = found.whitened(found.residuals(found.poses.of(found.kept)))
     return float(np.sum(rest**2) / np.sum(found.freedom)) > _WORSE**2
@@ -297,7 +299,7 @@ def _ratio(a: PoseErrors, b: PoseErrors) -> float:
     return max(x / max(y, 1e-300) for x, y in pairs)
 
 
-def _outcome(found: Fit, errors: Any, misfit: bool) -> CalibrationOutcome:
+def _outcome(found: CalibrationFit, errors: Any, misfit: bool) -> CalibrationOutcome:
     before, apart = errors["before"], errors["apart"]
     unseen, unseen_before = errors["validation"], errors["validation_before"]
     wild = np.mean(~found.kept) > _WILD
@@ -352,7 +354,7 @@ def _verdict(
 
 
 def _notices(
-    found: Fit, left_out: Sequence[int], combinations: Sequence[Combination]
+    found: CalibrationFit, left_out: Sequence[int], combinations: Sequence[Combination]
 ) -> tuple[str, ...]:
     """Sentences on what was left out, what surprises, and what the result does not hold."""
     said = list(found.poses.notices)
@@ -383,7 +385,7 @@ def _notices(
     return tuple(said)
 
 
-def _next_poses(found: Fit) -> Array:
+def _next_poses(found: CalibrationFit) -> Array:
     """Positions (m, nq) of random ones that would tell the most beside the poses that there are:
     those by which the determinant of the information grows most, one after the other."""
     chain, model = found.chain, found.chain.model

@@ -18,7 +18,7 @@ from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
 CalibrationOutcome = Literal["calibrated", "no better", "does not fit"]
-Source = Literal["measured", "partly", "prior"]
+NumberSource = Literal["measured", "partly", "prior"]
 
 _MEASURED, _PRIOR = 0.25, 0.9
 """Share of the prior's variance that is left of what counts as measured, and from which on it is
@@ -27,7 +27,7 @@ _TERMS, _VISIBLE = 4, 0.01
 """Terms of a combination that are printed at most, and the weight from which on one is."""
 
 
-def source_of(share: float) -> Source:
+def source_of(share: float) -> NumberSource:
     """Where a number comes from by the share of the prior's variance that is left of it."""
     if share <= _MEASURED:
         return "measured"
@@ -47,7 +47,7 @@ class CalibratedParameter:
     upper: float
     prior: float
     share: float
-    source: Source
+    source: NumberSource
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Combination:
     weights: Mapping[str, float]
     value: float
     deviation: float
-    source: Source
+    source: NumberSource
 
     def __str__(self) -> str:
         visible = [x for x in self.weights.items() if abs(x[1]) > _VISIBLE]
@@ -137,7 +137,7 @@ class Calibration(Tabled, ByValue):
         check_core("positions", "readings", given, (self.model.nq,))
         return given * self.gears
 
-    def _of_source(self, source: Source) -> list[Combination]:
+    def _of_source(self, source: NumberSource) -> list[Combination]:
         return [x for x in self.combinations if x.source == source]
 
     def _title(self) -> str:

@@ -76,7 +76,7 @@ class MarkerPoses(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Chain:
+class MeasuredChain:
     """The joints between a robot's base and a frame, and the unknowns of their geometry.
 
     bodies: indices in the model, base first. columns: of q, one for each. R, p: placements as the
@@ -200,7 +200,7 @@ class Chain:
         return found
 
 
-def chain_to(model: Model, frame: str | None, gears: bool) -> Chain:
+def chain_to(model: Model, frame: str | None, gears: bool) -> MeasuredChain:
     """The chain to a frame, the tip if None. Refuses models that cannot be calibrated, with the
     remedy."""
     function = "calibrate"
@@ -240,7 +240,7 @@ def chain_to(model: Model, frame: str | None, gears: bool) -> Chain:
             f"calibrate: no joint is between the base and {name!r}; name another frame=."
         )
     columns = [body.columns[0] for body in bodies]
-    return Chain(
+    return MeasuredChain(
         model,
         name,
         tuple(of_model),

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.identification.calibration.chain import Chain, rotation_vectors, skew, turned
-from freebody.identification.calibration.instrument import Guess, Pose
+from freebody.identification.calibration.chain import MeasuredChain, rotation_vectors, skew, turned
+from freebody.identification.calibration.instrument import FittedPose, Guess
 from freebody.identification.calibration.poses import Poses
 from freebody.motion.ranges import Flags
 
@@ -45,7 +45,7 @@ _RANK = 1e-9
 
 
 class Residuals(NamedTuple):
-    """What is left of measured poses, in the instrument's axes: distances (n, 3) in m, and turns
+    """Residuals of measured poses, in the instrument's axes: distances (n, 3) in m, and turns
     (n, 3) in rad or None; and the changes (n, 3, k) of what is predicted by the unknowns."""
 
     position: Array
@@ -60,7 +60,7 @@ class Residuals(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fit:
+class CalibrationFit:
     """A fitted geometry x with the instrument and the marker, and what it leaves.
 
     spread: standard deviations (k,) of the unknowns beforehand, 1 for those of instrument and
@@ -70,11 +70,11 @@ class Fit:
     the poses that count.
     """
 
-    chain: Chain
+    chain: MeasuredChain
     poses: Poses
     x: Array
-    instrument: Pose
-    marker: Pose
+    instrument: FittedPose
+    marker: FittedPose
     active: NDArray[np.intp]
     spread: Array
     noise: Array
@@ -91,7 +91,7 @@ class Fit:
         return int(np.sum(self.active < len(self.chain.names)))
 
     def residuals(self, poses: Poses) -> Residuals:
-        """What is left of poses."""
+        """Residuals of poses that are predicted."""
         found = self.chain.marker_poses(poses.q, self.x, self.instrument, self.marker)
         r_p = poses.position - found.position
         if poses.rotation is None:
@@ -135,13 +135,13 @@ class Fit:
 
 
 def fit(
-    chain: Chain,
+    chain: MeasuredChain,
     poses: Poses,
     start: Guess,
     unknown: tuple[bool, bool],
     spread: Array | None,
     noise: Array | None,
-) -> Fit:
+) -> CalibrationFit:
     """The fit from a first guess, with wild poses left out.
 
     unknown: whether instrument and marker are. spread: of the geometry, None where it is not to be
@@ -167,7 +167,7 @@ def fit(
     return found
 
 
-def _require_enough(found: Fit) -> None:
+def _require_enough(found: CalibrationFit) -> None:
     """Refuse poses that are too few to tell the unknowns and their own noise."""
     columns, left = found.whitened(found.residuals(found.poses))
     size = np.linalg.svd(columns.reshape(-1, columns.shape[2]), compute_uv=False)
@@ -181,20 +181,20 @@ def _require_enough(found: Fit) -> None:
 
 
 def _start(
-    chain: Chain,
+    chain: MeasuredChain,
     poses: Poses,
     start: Guess,
     unknown: tuple[bool, bool],
     spread: Array | None,
     noise: Array | None,
-) -> Fit:
+) -> CalibrationFit:
     k = len(chain.names)
     active = [*range(k)] if spread is not None else []
     active += [*range(k, k + 6)] if unknown[0] else []
     active += [*range(k + 6, k + (9 if poses.rotation is None else 12))] if unknown[1] else []
     first = np.full(1 if poses.rotation is None else 2, 1.0)
     whole = np.concatenate([np.ones(k) if spread is None else spread, np.ones(12)])
-    found = Fit(
+    found = CalibrationFit(
         chain,
         poses,
         np.zeros(k),
@@ -217,7 +217,7 @@ def _start(
     return found
 
 
-def _settled(found: Fit, robust: bool) -> Fit:
+def _settled(found: CalibrationFit, robust: bool) -> CalibrationFit:
     """The fit after steps that no longer change it; robust: poses that are far off count less, and
     noise is that of the median."""
     found = replace(found, robust=robust)
@@ -229,7 +229,7 @@ def _settled(found: Fit, robust: bool) -> Fit:
     return found
 
 
-def _stepped(found: Fit) -> tuple[Fit, float]:
+def _stepped(found: CalibrationFit) -> tuple[CalibrationFit, float]:
     """The fit after a Gauss–Newton step, with the noise that is left behind it; and by how much
     that changed it, in standard deviations and in parts of the noise."""
     left = found.residuals(found.poses)
@@ -265,7 +265,7 @@ def _triangle(columns: Array, rest: Array, weights: Array) -> Array:
     return np.asarray(np.linalg.qr(matrix.reshape(-1, matrix.shape[2]), mode="r"))
 
 
-def _noise(found: Fit, residual: Array, freedom: float) -> float:
+def _noise(found: CalibrationFit, residual: Array, freedom: float) -> float:
     """The standard deviation of noise that residuals (n, 3) of one kind show."""
     freedom = max(freedom, 1.0)
     if found.robust:
@@ -274,7 +274,7 @@ def _noise(found: Fit, residual: Array, freedom: float) -> float:
     return max(float(np.sqrt(total / freedom)), _LEAST)
 
 
-def _moved(found: Fit, step: Array) -> Fit:
+def _moved(found: CalibrationFit, step: Array) -> CalibrationFit:
     """The fit with its unknowns changed by a step, in standard deviations of the prior."""
     whole = np.zeros(len(found.spread))
     whole[found.active] = step
@@ -285,12 +285,12 @@ def _moved(found: Fit, step: Array) -> Fit:
     return replace(
         found,
         x=found.x + change[:k],
-        instrument=Pose(R_I @ turned(a[3:]), p_I + a[:3]),
-        marker=Pose(R_M @ turned(b[3:]), p_M + b[:3]),
+        instrument=FittedPose(R_I @ turned(a[3:]), p_I + a[:3]),
+        marker=FittedPose(R_M @ turned(b[3:]), p_M + b[:3]),
     )
 
 
-def _weights(found: Fit, rest: Array) -> Array:
+def _weights(found: CalibrationFit, rest: Array) -> Array:
     """Weights (n,) of poses: Huber's, or 1 of those that are kept."""
     if not found.robust:
         return found.kept.astype(float)

@@ -18,7 +18,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.identification.calibration.chain import Chain
+from freebody.identification.calibration.chain import MeasuredChain
 from freebody.identification.calibration.poses import Poses
 
 _DOUBTFUL, _WRONG = 0.03, 0.15
@@ -29,7 +29,7 @@ _BETTER = 0.2
 _ROUNDS = 10
 
 
-class Pose(NamedTuple):
+class FittedPose(NamedTuple):
     """Axes R (3, 3) and origin p (3,)."""
 
     R: Array
@@ -40,12 +40,14 @@ class Guess(NamedTuple):
     """The world in the instrument's axes, the marker in the frame at the end, and the median of the
     distances that they leave, over the size of the cloud of points."""
 
-    instrument: Pose
-    marker: Pose
+    instrument: FittedPose
+    marker: FittedPose
     left: float
 
 
-def guess(chain: Chain, poses: Poses, instrument: Pose | None, marker: Pose | None) -> Guess:
+def guess(
+    chain: MeasuredChain, poses: Poses, instrument: FittedPose | None, marker: FittedPose | None
+) -> Guess:
     """A first guess of what is not known of instrument and marker, for the robot as its model has
     it. Refuses poses that no instrument sees of this robot, with what they may be instead."""
     best = _guess(chain, poses, instrument, marker)
@@ -71,43 +73,43 @@ def guess(chain: Chain, poses: Poses, instrument: Pose | None, marker: Pose | No
     return best
 
 
-def _robot(chain: Chain) -> str:
+def _robot(chain: MeasuredChain) -> str:
     return f"{chain.model.name!r} with its marker on {chain.frame!r}"
 
 
 @dataclass(frozen=True)
-class _Reading:
+class _PoseReading:
     """Another way to read poses, and the words that say how to give them; None where it makes no
     difference."""
 
     words: str
-    applied: Callable[[Chain, Poses], Poses | None]
+    applied: Callable[[MeasuredChain, Poses], Poses | None]
 
 
-def _from_degrees(chain: Chain, poses: Poses) -> Poses | None:
+def _from_degrees(chain: MeasuredChain, poses: Poses) -> Poses | None:
     turns = [k for k, turns in zip(chain.columns, chain.turns, strict=True) if turns]
     q = poses.q.copy()
     q[:, turns] = np.radians(q[:, turns])
     return Poses(q, poses.position, poses.rotation) if turns else None
 
 
-def _from_millimetres(chain: Chain, poses: Poses) -> Poses:
+def _from_millimetres(chain: MeasuredChain, poses: Poses) -> Poses:
     return Poses(poses.q, 1e-3 * poses.position, poses.rotation)
 
 
-def _mirrored(chain: Chain, poses: Poses) -> Poses | None:
+def _mirrored(chain: MeasuredChain, poses: Poses) -> Poses | None:
     if poses.rotation is not None:
         return None  # of left-handed axes, their determinant tells
     return Poses(poses.q, poses.position * [1.0, 1.0, -1.0])
 
 
-def _transposed(chain: Chain, poses: Poses) -> Poses | None:
+def _transposed(chain: MeasuredChain, poses: Poses) -> Poses | None:
     if poses.rotation is None:
         return None
     return Poses(poses.q, poses.position, np.swapaxes(poses.rotation, 1, 2))
 
 
-def _inverted(chain: Chain, poses: Poses) -> Poses | None:
+def _inverted(chain: MeasuredChain, poses: Poses) -> Poses | None:
     if poses.rotation is None:
         return None
     R = np.swapaxes(poses.rotation, 1, 2)
@@ -115,25 +117,29 @@ def _inverted(chain: Chain, poses: Poses) -> Poses | None:
 
 
 _READINGS = (
-    _Reading("the angles in q are degrees (give radians, np.deg2rad(q))", _from_degrees),
-    _Reading("the positions are in mm (give metres)", _from_millimetres),
-    _Reading("the instrument's axes are left-handed (turn over one of x, y, z)", _mirrored),
-    _Reading("the rotations are transposed (give the marker's axes as columns)", _transposed),
-    _Reading("the poses are of the instrument in the marker's axes (give the inverse)", _inverted),
+    _PoseReading("the angles in q are degrees (give radians, np.deg2rad(q))", _from_degrees),
+    _PoseReading("the positions are in mm (give metres)", _from_millimetres),
+    _PoseReading("the instrument's axes are left-handed (turn over one of x, y, z)", _mirrored),
+    _PoseReading("the rotations are transposed (give the marker's axes as columns)", _transposed),
+    _PoseReading(
+        "the poses are of the instrument in the marker's axes (give the inverse)", _inverted
+    ),
 )
 
 
-def _guess(chain: Chain, poses: Poses, instrument: Pose | None, marker: Pose | None) -> Guess:
+def _guess(
+    chain: MeasuredChain, poses: Poses, instrument: FittedPose | None, marker: FittedPose | None
+) -> Guess:
     """The guess that leaves the least of some: by points alone, and by rotations, which tell
     nothing of the angle about an axis that all of them share."""
     R, p = chain.frames(poses.q, np.zeros(len(chain.names)))
     R, p = R[:, -1], p[:, -1]
-    starts: list[tuple[Pose | None, bool]] = [(instrument, instrument is None)]
+    starts: list[tuple[FittedPose | None, bool]] = [(instrument, instrument is None)]
     if instrument is None:
         starts.append((_by_entries(R, p, poses.position), True))
         if poses.rotation is not None:
             turn = _by_rotations(R, poses.rotation, marker)
-            starts.append((Pose(turn, np.zeros(3)), False))
+            starts.append((FittedPose(turn, np.zeros(3)), False))
     found = []
     for start, turning in starts:
         at, y = _by_points(R, p, poses, start, marker, turning, instrument is not None)
@@ -142,11 +148,11 @@ def _guess(chain: Chain, poses: Poses, instrument: Pose | None, marker: Pose | N
             R_EM = marker.R
         elif poses.rotation is not None:
             R_EM = _nearest(np.einsum("nji,njk->ik", at.R @ R, poses.rotation))
-        found.append(Guess(at, Pose(R_EM, y), _left(R, p, poses, at, y, R_EM)))
+        found.append(Guess(at, FittedPose(R_EM, y), _left(R, p, poses, at, y, R_EM)))
     return min(found, key=lambda x: x.left)
 
 
-def _left(R: Array, p: Array, poses: Poses, instrument: Pose, y: Array, R_EM: Array) -> float:
+def _left(R: Array, p: Array, poses: Poses, instrument: FittedPose, y: Array, R_EM: Array) -> float:
     """The median distance of points, or turn of rotations, that a guess leaves, over the size of
     the cloud of points or over 1 rad."""
     seen = (p + R @ y) @ instrument.R.T + instrument.p
@@ -168,11 +174,11 @@ def _by_points(
     R: Array,
     p: Array,
     poses: Poses,
-    start: Pose | None,
-    marker: Pose | None,
+    start: FittedPose | None,
+    marker: FittedPose | None,
     turning: bool,
     fixed: bool,
-) -> tuple[Pose, Array]:
+) -> tuple[FittedPose, Array]:
     """The instrument and the marker's place by turns, each in closed form as if the other were
     known; the instrument is `fixed`, or its rotation is not `turning`."""
     y = np.zeros(3) if marker is None else marker.p
@@ -180,15 +186,15 @@ def _by_points(
     for _ in range(_ROUNDS):
         if marker is None:
             y, shift = _marker(R, p, poses.position, at, fixed)
-            at = Pose(at.R, at.p + shift)
+            at = FittedPose(at.R, at.p + shift)
         if turning:
             at = _aligned(p + R @ y, poses.position)
         elif not fixed:
-            at = Pose(at.R, np.mean(poses.position - (p + R @ y) @ at.R.T, axis=0))
+            at = FittedPose(at.R, np.mean(poses.position - (p + R @ y) @ at.R.T, axis=0))
     return at, y
 
 
-def _marker(R: Array, p: Array, seen: Array, at: Pose, fixed: bool) -> tuple[Array, Array]:
+def _marker(R: Array, p: Array, seen: Array, at: FittedPose, fixed: bool) -> tuple[Array, Array]:
     """The marker's place, and by how much the instrument is off besides, unless it is `fixed`."""
     rows = at.R @ R
     left = seen - (p @ at.R.T + at.p)
@@ -205,11 +211,11 @@ def _solved(matrix: Array, right: Array) -> Array:
     return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-6)[0], dtype=np.float64)
 
 
-def _aligned(points: Array, seen: Array) -> Pose:
+def _aligned(points: Array, seen: Array) -> FittedPose:
     """The pose (R, p) with seen ≈ R point + p by least squares (Kabsch 1976)."""
     a, b = points.mean(axis=0), seen.mean(axis=0)
     R = _nearest((seen - b).T @ (points - a))
-    return Pose(R, b - R @ a)
+    return FittedPose(R, b - R @ a)
 
 
 def _nearest(matrix: Array) -> Array:
@@ -218,7 +224,7 @@ def _nearest(matrix: Array) -> Array:
     return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
 
 
-def _by_entries(R: Array, p: Array, seen: Array) -> Pose:
+def _by_entries(R: Array, p: Array, seen: Array) -> FittedPose:
     """The instrument by a linear system in which its rotation has nine unknown entries."""
     n = len(p)
     size = _size(seen) or 1.0
@@ -229,10 +235,10 @@ def _by_entries(R: Array, p: Array, seen: Array) -> Pose:
     matrix[:, :, 12:] = -np.eye(3)
     found = _solved(matrix.reshape(-1, 15), p.ravel())
     R_IW = _nearest(found[:9].reshape(3, 3).T)
-    return Pose(R_IW, np.mean(seen - (p + R @ found[9:12]) @ R_IW.T, axis=0))
+    return FittedPose(R_IW, np.mean(seen - (p + R @ found[9:12]) @ R_IW.T, axis=0))
 
 
-def _by_rotations(R: Array, seen: Array, marker: Pose | None) -> Array:
+def _by_rotations(R: Array, seen: Array, marker: FittedPose | None) -> Array:
     """The instrument's rotation by those that it saw."""
     if marker is not None:
         return _nearest(np.einsum("nij,nkj->ik", seen, R @ marker.R))

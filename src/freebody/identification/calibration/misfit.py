@@ -1,4 +1,4 @@
-"""What the errors that a calibration leaves depend on, where they are more than noise.
+"""Reasons of the errors that a calibration leaves, where they are more than noise.
 
 Each suspicion is a joint whose reading is wrong in a way that no geometry explains. If it were
 noise alone, residuals e would have the covariance 1 - A C Aᵀ, and with the displacements F that
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.identification.calibration.fit import Fit
+from freebody.identification.calibration.fit import CalibrationFit
 
 _UNLIKELY = 1e-4
 """Probability below which a dependence is no accident, over all suspicions."""
@@ -45,8 +45,8 @@ _SUSPICIONS = (
 )
 
 
-def misfits_of(found: Fit) -> tuple[str, ...]:
-    """What the errors that are left depend on by no accident, in words, the surest first."""
+def misfits_of(found: CalibrationFit) -> tuple[str, ...]:
+    """Reasons of the errors that are left which are no accident, in words, the surest first."""
     chain, kept = found.chain, found.kept
     poses = found.poses.of(kept)
     left = found.residuals(poses)
@@ -85,7 +85,7 @@ def _chance(F: Array, own: Array, rest: Array) -> float:
     return float(chi2.sf(score.sum(), int(tested.sum())))
 
 
-def _loads(found: Fit, q: Array) -> Array:
+def _loads(found: CalibrationFit, q: Array) -> Array:
     """Torques or forces (n, k) about the joints of a weight of 1 N at the end of the chain."""
     chain = found.chain
     R, p = chain.frames(q, found.x)

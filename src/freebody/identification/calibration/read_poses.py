@@ -106,7 +106,7 @@ def read_poses(path: Any, model: Model) -> Poses:
             "the table has no header; name its columns: the joints "
             f"({listed(model.position_names, 8)}), x, y, z, and of rotations qw, qx, qy, qz."
         )
-    columns = _Columns(table)
+    columns = _PoseColumns(table)
     of_joints = columns.joints(model)
     of_points = [("x", "length"), ("y", "length"), ("z", "length")]
     way = next((x for x in _WAYS if columns.has(x.names)), None)
@@ -123,7 +123,7 @@ def read_poses(path: Any, model: Model) -> Poses:
     )
 
 
-class _Columns:
+class _PoseColumns:
     """The columns of a table by the names in its header."""
 
     def __init__(self, table: LogTable):

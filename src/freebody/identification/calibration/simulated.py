@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.identification.calibration.chain import chain_to, turned
-from freebody.identification.calibration.instrument import Pose
+from freebody.identification.calibration.instrument import FittedPose
 from freebody.identification.calibration.poses import Poses
 from freebody.model.model import Model
 from freebody.trees.positions import random_state
@@ -27,8 +27,8 @@ def simulated_poses(model: Model, frame: str | None = None, seed: int = 0) -> Po
     chain = chain_to(model, frame, gears=False)
     q, _, _ = random_state(model, seed, _COUNT)
     x = _OFF * rng.normal(size=len(chain.names))
-    instrument = Pose(turned(rng.normal(size=3)), np.array([0.0, 0.0, 2.0]))
-    marker = Pose(turned(0.1 * rng.normal(size=3)), 0.05 * rng.normal(size=3))
+    instrument = FittedPose(turned(rng.normal(size=3)), np.array([0.0, 0.0, 2.0]))
+    marker = FittedPose(turned(0.1 * rng.normal(size=3)), 0.05 * rng.normal(size=3))
     seen = chain.marker_poses(q, x, instrument, marker)
     rng = np.random.default_rng(seed)
     return Poses(

@@ -41,7 +41,7 @@ _MISSED = 1e-4
 """A start that leads no nearer (m and rad) than this leads to no solution."""
 _MOST = 0.05
 """How far (rad, arm lengths) members may be from the first to be followed from there."""
-Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
+PoseFunction = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(q (M, nq), which targets (M,)) -> pose and Jacobian of the arm that each is of."""
 _OneMember = Callable[[InverseProblem], Solutions]
 """Solver of a problem of one member."""
@@ -53,7 +53,7 @@ _SolvedPiece = tuple[np.ndarray, Solutions]
 class Follow:
     """The arms to which the branches of a nearby arm are followed, one for each target."""
 
-    poses: Poses
+    poses: PoseFunction
     kernel: Bound | None
     """The kernel of a step; None where steps are made with the poses."""
     numbers: Array | None = None
