@@ -92,44 +92,43 @@ def identify(
 
     with terminal.progress("reading"):
         model = robot.load()
-        used = [_log(text, model, layout, 0) for text in logs]
-        unseen = [_log(text, model, layout, 1) for text in validate or ()]
-        loaded = [_log(text, model, layout, 2) for text in payload_of or ()]
-        searched = None if collisions_in is None else _log(collisions_in, model, layout, 3)
-    given: dict[str, Any] = {}
-    if friction is not None:
-        given["friction"] = [name.strip() for name in friction.split(",")]
-    if masses is not None:
-        given["prior"] = numbers.values("--masses", masses)
+        searched = () if collisions_in is None else (collisions_in,)
+        used, unseen, loaded, pushed = (
+            [_log(text, model, layout, seed) for text in given or ()]
+            for seed, given in enumerate((logs, validate, payload_of, searched))
+        )
+    laws = {} if friction is None else {"friction": [x.strip() for x in friction.split(",")]}
+    held = {} if masses is None else {"prior": numbers.values("--masses", masses)}
     with terminal.progress("identify"):
-        found = identified(model, used, validate=unseen, rotors=rotors, **given)
+        found = identified(model, used, validate=unseen, rotors=rotors, **laws, **held)
         known = {"gains": found.gains if found.scale_known else None}
         load = pushes = None
         if loaded:
-            laws = {k: x for k, x in given.items() if k == "friction"}
             load = identify_payload(found.model, loaded, used, **known, **laws)
-        if searched is not None:
-            pushes = detect_collisions(found.model, searched, gains=found.gains)
+        for log in pushed:
+            pushes = detect_collisions(found.model, log, gains=found.gains)
     console = terminal.out()
-    style = "bold green" if found.trusted else "bold red"
-    console.print(found.verdict, style=style, soft_wrap=True, markup=False)
-    terminal.table(found._table())
-    for notice in found.notices:
-        console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
+    _told(found, "bold green" if found.trusted else "bold red")
     for more in (load, pushes):
         if more is not None:
-            console.print(more.verdict, style="bold", soft_wrap=True, markup=False)
-            terminal.table(more._table())
-            for notice in more.notices:
-                console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
+            _told(more, "bold")
     if out is not None:
-        names = [*logs, *(validate or ()), *(payload_of or ()), collisions_in or ""]
+        names = [*logs, *(validate or ()), *(payload_of or ()), *searched]
         page = partial(identification_page, found, load, pushes)
-        for path in write_results(found, out, [x for x in names if x], page, load, pushes):
+        for path in write_results(found, out, names, page, load, pushes):
             console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
     console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
     if not found.trusted:
         raise typer.Exit(1)
+
+
+def _told(found: Any, style: str) -> None:
+    """Prints a result's verdict, table and notices."""
+    console = terminal.out()
+    console.print(found.verdict, style=style, soft_wrap=True, markup=False)
+    terminal.table(found._table())
+    for notice in found.notices:
+        console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
 
 
 def _log(text: str, model: Model, layout: Path | None, seed: int) -> Log:

@@ -64,8 +64,8 @@ nothing, and part of a parameter (squared) in one, above which it is not told ei
 
 
 class _Evidence(NamedTuple):
-    """Evidence of logs on base parameters, whatever friction was: an estimate (b,) and its information
-    (b, b), the inverse of its covariance."""
+    """Evidence of logs on base parameters, whatever friction was: an estimate (b,) and its
+    information (b, b), the inverse of its covariance."""
 
     base: Array
     information: Array

@@ -84,6 +84,7 @@ def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
 def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
     unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
     name, letter = html.escape(x["name"]), mathml(letters(sym(x["name"])), display=False)
+    typed = html.escape(letters.symbol(sym_of(x["name"])).name)
     if x["solved"]:
         return (
             f'<p class="slider" data-of="{name}">{letter} = '
@@ -91,7 +92,7 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
         )
     return (
         f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
-        f'<input id="in{k}" type="range" data-input="{name}" aria-label="{name}" '
+        f'<input id="in{k}" type="range" data-input="{name}" aria-label="{typed}" '
         f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
         f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
     )

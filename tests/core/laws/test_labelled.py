@@ -65,6 +65,12 @@ BY_POSITION = {
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     **{name: {"pose_ref": np.eye(3)} for name in ("operational_space_control", "impedance")},
+    "calibrate": {
+        "poses": np.ones((8, 3)),
+        "instrument": np.eye(4),
+        "marker": [0.0, 0.0, 0.1],
+        "noise": [1e-4, 1e-4],
+    },
     "excitation": {"box": [[-1.0, -1.0], [1.0, 1.0]]},
     "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
@@ -98,6 +104,7 @@ OTHERS = {
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
     **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
     "excitation": {"model": fb.load("2R"), "duration": 6.0},
+    "calibrate": {"model": fb.load("ur5e"), "q": np.zeros((8, 6))},
     "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},
 }
 

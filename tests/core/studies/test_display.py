@@ -104,7 +104,7 @@ DISPLAYS = ("_repr_html_", "_repr_svg_", "_repr_latex_", "_repr_pretty_")
 PLAIN = {
     "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
     "Members", "LawNumber", "DriveLaw", "Motor", "Gear", "Bearing", "Segment", "RejectedPair",
-    "TextTable", "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
+    "TextTable", "PayloadNumber", "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
     "DoubtKind",  # records with a sentence in them
     "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",
     "Cells", "ColourKey",  # elements of a drawing

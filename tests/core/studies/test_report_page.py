@@ -20,10 +20,10 @@ def test_page_is_one_file_that_fetches_nothing(study, tmp_path):
     path = study.to_html(tmp_path / "deep" / "index.html")
     page = path.read_text(encoding="utf-8")
     parsed = Cells(page)
-    assert path.stat().st_size < 600_000
+    assert path.stat().st_size < 800_000
     assert all(a.startswith("#") or a == "data:," for a in parsed.addresses), parsed.addresses
     assert not re.search(r"url\((?!#|data:)|@import|https?://(?!www\.w3\.org)", page)
-    assert "script" not in parsed.tags
+    assert parsed.tags.count("script") == 1  # its own, which the policy names by its hash
     assert {a[1:] for a in parsed.addresses if a.startswith("#")} <= set(parsed.ids)
 
 
@@ -61,7 +61,7 @@ def test_names_from_a_file_are_text_not_markup(tmp_path):
     study = fb.study(fb.load(source))
     path = study.to_html(tmp_path / "index.html")
     parsed = Cells(path.read_text(encoding="utf-8"))
-    assert "script" not in parsed.tags
+    assert parsed.tags.count("script") == 1  # the page's own
     with data_file(study, tmp_path) as data:
         assert compare(parsed.cells, data) == []
 

@@ -196,8 +196,8 @@ def _instrument(given: ArrayLike | None) -> FittedPose | None:
 def _marker(given: ArrayLike | None, seen: Poses) -> FittedPose | None:
     if given is None:
         return None
-    if np.shape(given) == (3,) and seen.rotation is None:
-        place = as_floats("calibrate", "marker", given)
+    place = as_floats("calibrate", "marker", given)
+    if place.shape == (3,) and seen.rotation is None:
         refuse_not_finite("calibrate", "marker", place, 1, "xyz")
         return FittedPose(np.eye(3), place)
     return _pose("marker", given)
