@@ -97,11 +97,13 @@ def identify(
             [_log(text, model, layout, seed) for text in given or ()]
             for seed, given in enumerate((logs, validate, payload_of, searched))
         )
-    laws = {} if friction is None else {"friction": [x.strip() for x in friction.split(",")]}
-    held = {} if masses is None else {"prior": numbers.values("--masses", masses)}
+    laws: dict[str, Any] = (
+        {} if friction is None else {"friction": [x.strip() for x in friction.split(",")]}
+    )
+    held: dict[str, Any] = {} if masses is None else {"prior": numbers.values("--masses", masses)}
     with terminal.progress("identify"):
         found = identified(model, used, validate=unseen, rotors=rotors, **laws, **held)
-        known = {"gains": found.gains if found.scale_known else None}
+        known: dict[str, Any] = {"gains": found.gains if found.scale_known else None}
         load = pushes = None
         if loaded:
             load = identify_payload(found.model, loaded, used, **known, **laws)
