@@ -124,8 +124,8 @@ def test_a_follower_of_a_follower_and_its_leader():
         (f"{MIMIC}\nfriction = {{ viscous = 1 }}", "",
          "joint 'wrist' follows shoulder and elbow, and has viscous friction of its own: these "
          "act on the sum of the motions that it follows, and a model holds them for the motion of "
-         "one joint. Remove them from the joint, or load with mimic='free' (--mimic free): each joint "
-         "then moves by itself."),
+         "one joint. Remove them from the joint, or load with mimic='free' (--mimic free): each "
+         "joint then moves by itself."),
     ],
 )  # fmt: skip
 def test_refused(mimic, more, told):
