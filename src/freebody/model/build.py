@@ -131,10 +131,10 @@ class _Assembly:
         if joint.drive != Drive():
             own = [n.words for n in joint.drive.listed if getattr(joint.drive, n.name) != n.default]
             self.checks.refuse(
-                f"{several}, and has {listed(own)} of its own: these would act on the sum of their "
-                f"motions, and a model knows them on the motion of one joint. Remove them from the "
-                f"joint, or load with mimic='free' (--mimic free): each joint then moves by "
-                f"itself.",
+                f"{several}, and has {listed(own)} of its own: these act on the sum of the "
+                f"motions that it follows, and a model holds them for the motion of one joint. "
+                f"Remove them from the joint, or load with mimic='free' (--mimic free): each joint "
+                f"then moves by itself.",
                 joint.line,
             )
         if joint.limits != Limits():

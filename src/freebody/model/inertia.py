@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
+from decimal import Context, Decimal
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,8 @@ from freebody.spatial import Vector
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
 _TOLERANCE = 1e-9
 _MARGIN = 1e-12  # of minors, far above their rounding
+_EXACT = Context(prec=700)
+"""Digits from the largest to the smallest number that there is: no sum is rounded."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +187,8 @@ class Inertia:
         m, c, tensor = self.numbers()
         R = rotation_matrix(rotation, "Inertia.placed")
         turned = R @ tensor @ R.T if self.dim == 3 else tensor
-        return Inertia(m, tuple(R @ c + np.asarray(position, dtype=float)), _upper(turned))
+        com = tuple(decimal_sum((*row, p)) for row, p in zip(R * c, position, strict=True))
+        return Inertia(m, com, _upper(turned))
 
     def moved_to(self, com: Sequence[Quantity | str]) -> Inertia:
         """The inertia of this body with its centre of mass elsewhere."""
@@ -311,7 +315,7 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
     numbers = [part.numbers() for part in parts]
     if len({part.dim for part in parts}) > 1:
         raise ModelError("combined: planar and spatial inertias cannot be mixed.")
-    mass = total_mass(m for m, _, _ in numbers)
+    mass = decimal_sum(m for m, _, _ in numbers)
     moment = sum((m * c for m, c, _ in numbers), np.zeros(parts[0].dim))
     if mass == 0.0 and moment.any():
         raise ModelError(
@@ -322,10 +326,10 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
     return Inertia(mass, tuple(com), _upper(np.asarray(tensor)))
 
 
-def total_mass(masses: Iterable[float]) -> float:
-    """The sum of masses (kg) as they are written in decimals, rounded once: of 1.05 and 2.3 it is
-    3.35, where floats add up to 3.3499999999999996."""
-    return float(sum(Fraction(repr(float(m))) for m in masses))
+def decimal_sum(numbers: Iterable[float]) -> float:
+    """The sum of numbers as they are written in decimals, rounded once: of 1.05 and 2.3 it is 3.35,
+    where floats add up to 3.3499999999999996."""
+    return float(reduce(_EXACT.add, (Decimal(repr(float(x))) for x in numbers), Decimal(0)))
 
 
 def _steiner(m: float, d: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ from freebody.model.doubts import (
 )
 from freebody.model.families import MemberError, one_family, taken
 from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia, total_mass
+from freebody.model.inertia import Inertia, decimal_sum
 from freebody.model.kept_facts import Geometry, geometry_of
 from freebody.model.loops import checked_tolerance
 from freebody.model.named_parts import NamedParts
@@ -197,7 +197,7 @@ class Model(NamedParts, Tabled, ByValue):
         masses = [VALUES.quantity(a.inertia.mass) for a in self._attached]
         if self.family:
             return np.broadcast_to(sum(masses), self.family).copy()
-        return total_mass(masses)
+        return decimal_sum(masses)
 
     @property
     def is_estimated(self) -> bool:

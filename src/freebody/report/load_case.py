@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.model.description import CHANGED
-from freebody.model.inertia import total_mass
+from freebody.model.inertia import decimal_sum
 from freebody.model.model import Model
 from freebody.model.number_editors import TENSOR
 from freebody.model.parameters import Quantity
@@ -88,7 +88,7 @@ def _parts(model: Model) -> list[Attached]:
 def carried_mass(model: Model) -> float:
     """The mass (kg) of all loads of a model."""
     loads = (part.inertia.mass for part in _parts(model) if part.load)
-    return total_mass(VALUES.quantity(mass) for mass in loads)
+    return decimal_sum(VALUES.quantity(mass) for mass in loads)
 
 
 def _free(model: Model) -> bool:

@@ -294,10 +294,15 @@ def test_what_is_left_out_of_many_parts_is_told_once():
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("<mujoco><worldbody/></mujoco>", "it has no bodies"),
+        ("<mujoco><worldbody/></mujoco>", "it has no bodies.* is loaded by one of those"),
         ("<mujoco><worldbody><body/></mujoco>", "not well-formed"),
         (mjcf('<body><joint axis="0 0 0"/></body>'), "MuJoCo does not compile it"),
-        (mjcf(BOX + "<wrong/>"), "MuJoCo does not compile it"),
+        (mjcf(BOX + "<wrong/>"), "MuJoCo does not compile it: Schema violation: unrecognized"),
+        (
+            mjcf('<include file="none.xml"/>'),
+            "compile it: Error opening file '.*none.xml'; Element 'include'[^:]*. Put that file",
+        ),
+        (mjcf('<geom size="1" material="m"/>'), "'m' not found in .* Correct the name"),
         ("<mujoco><asset/></mujoco>", "a part that others include; load one that does"),
         ("<sdf/>", "the root element is <sdf>, expected <mujoco>"),
         ("<mujocoinclude/>", "load one that includes it"),

@@ -107,7 +107,7 @@ def renamed(name: str, one: fb.Model, two: fb.Model, lost: list[str]) -> str:
         return name
     body = next(body for body in one.bodies if body.joint.name == joint)
     if body.joint.kind != "free":
-        others = dict(found.groups() for x in lost if (found := _RENAMED.fullmatch(x)))
+        others = {x[1]: x[2] for x in map(_RENAMED.fullmatch, lost) if x}
         return f"{others[joint]}{dot}{rest}"
     floating = {x.name: x.joint.name for x in two.bodies if x.joint.kind == "free"}
     found = floating.get(body.name) or next(iter(floating.values()))
@@ -420,6 +420,23 @@ def test_masses_add_up_in_the_digits_that_were_given(tmp_path):
         file = tmp_path / f"arm.{kind}"
         fb.save(model, file, lossy=True)
         assert re.search(r"\b3\.35\b", file.read_text(encoding="utf-8")), kind
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [("puma560", ("0.4508", "0.06975 0.01625 0.086")), ("stanford", ("0.312", "0.113"))],
+)
+def test_sums_of_lengths_and_moments_are_in_the_digits_that_were_given(name, numbers, tmp_path):
+    """The sum of the floats 0.4318 and 0.019 is 0.45080000000000003; moments that break the
+    triangle inequality by 0.0075 are raised by half of that each."""
+    model = valued(name)
+    for kind in ("urdf", "sdf", "mjcf"):
+        file = tmp_path / f"arm.{kind}"
+        fb.save(model, file, lossy=True)
+        text = file.read_text(encoding="utf-8")
+        assert not re.search(r"\d(0{9,}|9{9,})\d+\b", text), kind
+        found = [x for x in numbers if re.search(rf"\b{re.escape(x)}\b", text)]
+        assert found == [x for x in numbers if " " not in x or kind == "mjcf"], kind
 
 
 def strutted(model: fb.Model) -> fb.Model:

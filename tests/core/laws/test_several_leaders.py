@@ -123,9 +123,9 @@ def test_a_follower_of_a_follower_and_its_leader():
         ("mimic = { joints = { shoulder = -1 }, ratio = 2 }", "", "no key 'ratio'"),
         (f"{MIMIC}\nfriction = {{ viscous = 1 }}", "",
          "joint 'wrist' follows shoulder and elbow, and has viscous friction of its own: these "
-         "would act on the sum of their motions, and a model knows them on the motion of one "
-         "joint. Remove them from the joint, or load with mimic='free' (--mimic free): each joint "
-         "then moves by itself."),
+         "act on the sum of the motions that it follows, and a model holds them for the motion of "
+         "one joint. Remove them from the joint, or load with mimic='free' (--mimic free): each "
+         "joint then moves by itself."),
     ],
 )  # fmt: skip
 def test_refused(mimic, more, told):

@@ -25,6 +25,24 @@ PARTS = {
     "tendons": "tendon",
 }
 """The kinds of parts of a compiled model, each by the word for one of them."""
+_REMEDIES = (
+    (
+        "Error opening file",
+        "Put that file there, or correct its path; a part that others include is loaded by one of "
+        "those, from whose folder its paths are looked up.",
+    ),
+    (
+        "not found in|unrecognized name|unknown default class",
+        "Correct the name; a part that others include is loaded by one of those.",
+    ),
+    ("repeated name", "Rename one of the two."),
+    (
+        "larger than mjMINVAL",
+        "Give the body a mass and moments of inertia above 1e-15 kg and kg m², or remove its "
+        "joint.",
+    ),
+)
+"""What mends a file, by words in what MuJoCo says of it."""
 BOUNDS = {
     "range": "range",
     "effort": "actuatorfrcrange",
@@ -65,8 +83,10 @@ def compilation(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
             file, None, f"MuJoCo ended while it compiled it: {reason or done.returncode}."
         ) from None
     if "problem" in found:
-        told = " ".join(found["problem"].split()).rstrip(".")
-        raise FileError(file, _line(told, data), f"MuJoCo does not compile it: {told}.")
+        told = found["problem"]
+        raise FileError(
+            file, _line(told, data), f"MuJoCo does not compile it: {_as_sentences(told)}"
+        )
     _refuse_unusable(file, found)
     return found
 
@@ -74,7 +94,15 @@ def compilation(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
 def _line(told: str, data: bytes) -> int | None:
     """The line that MuJoCo tells of a file; it does not say which, where files are included."""
     found = re.search(r"\bline (\d+)", told)
-    return int(found[1]) if found and not re.search(rb"<(include|model)\b", data) else None
+    line = int(found[1]) if found else 0  # of what has none MuJoCo tells 0
+    return line if line and not re.search(rb"<(include|model)\b", data) else None
+
+
+def _as_sentences(told: str) -> str:
+    """What MuJoCo says of a file, in one line, and what mends the file where that is known."""
+    line = "; ".join(" ".join(x.split()) for x in told.splitlines() if x.strip())
+    line = re.sub(r"^((XML )?Error: )+|, line 0\b", "", line).rstrip(".")
+    return " ".join([f"{line}.", *(mend for words, mend in _REMEDIES if re.search(words, line))])
 
 
 def _refuse_unusable(file: str, found: dict[str, Any]) -> None:

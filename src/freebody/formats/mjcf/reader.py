@@ -82,7 +82,10 @@ class _MjcfReader:
         for index in range(len(self.body_names)):
             self.body(index)
         if len(self.links) < 2:
-            self.refuse("it has no bodies; a robot needs at least one.")
+            self.refuse(
+                "it has no bodies; a robot needs at least one. A scene or a part that others "
+                "include is loaded by one of those."
+            )
         site_names = self.names(self.given["sites"], "site")
         pulled = {k for tendon in self.given["tendons"] for k in tendon["ends"]}
         for k, (site, called) in enumerate(zip(self.given["sites"], site_names, strict=True)):

@@ -20,7 +20,7 @@ from freebody.formats.writing.format_contents import (
 )
 from freebody.formats.writing.xml import Element, SubElement, numbers, text_of
 from freebody.model.description import INFINITE
-from freebody.model.inertia import Inertia
+from freebody.model.inertia import Inertia, decimal_sum
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
 from freebody.model.tree import Pose
@@ -188,15 +188,15 @@ class _Writer:
             moments, axes = np.linalg.eigh(tensor)
             axes = axes * np.linalg.det(axes)
         largest = int(np.argmax(moments))
-        short = float(2.0 * moments[largest] - moments.sum())
+        smaller = np.arange(3) != largest
+        short = decimal_sum((moments[largest], *-moments[smaller]))
         if short > _ROUNDED * abs(moments[largest]):
             self.losses.append(
                 f"the moments of inertia of {name!r}, which no rigid body has: the smaller ones "
                 f"are raised"
             )
-        smaller = np.arange(3) != largest
         if short > 0.0:
-            moments[smaller] += 0.5 * short
+            moments[smaller] = [decimal_sum((x, 0.5 * short)) for x in moments[smaller]]
         # MuJoCo adds the two without regard to rounding
         moments[largest] = min(moments[largest], moments[smaller].sum())
         return moments, axes
