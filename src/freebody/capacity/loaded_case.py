@@ -12,81 +12,13 @@ import numpy as np
 from freebody.any_chain.dynamics import static_torque
 from freebody.any_chain.effort_limits import Followers, followers
 from freebody.arrays import Array
-from freebody.design.bearings import checked_bearings, turning_joints
-from freebody.design.drive_loads import ChosenDrives, checked_drives, fitting_joints
-from freebody.design.joint_loads import bearing_vectors
-from freebody.design.known_wrenches import known_wrenches, undetermined
-from freebody.design.pairs import holding_torque
-from freebody.design.parts import Bearing
-from freebody.errors import FreebodyError
+from freebody.capacity.fitted_parts import FittedParts, MotionStates, vectors_on_bearings
 from freebody.lazy import Keeps, cached_property
 from freebody.model.model import Model
 from freebody.reach.payload_map import NO_SLOPE
 
 _ROUNDING = 1e-13
 """Change of a torque, as a part of it, that is none."""
-
-MotionStates = tuple[Array, Array, Array]
-"""Positions, rates and accelerations of samples."""
-
-
-@dataclass(frozen=True)
-class FittedBrake:
-    """A brake at a joint: the joint's name, the motor's, the column of the joint in q̇, and what it
-    holds there (N m, N)."""
-
-    joint: str
-    part: str
-    column: int
-    limit: float
-
-
-@dataclass(frozen=True)
-class FittedBearing:
-    """A bearing at a joint: the joint's name, and the number of the body behind it."""
-
-    joint: str
-    body: int
-    bearing: Bearing
-
-
-@dataclass(frozen=True)
-class FittedParts:
-    """The brakes and bearings by which a payload is judged besides its drives."""
-
-    brakes: tuple[FittedBrake, ...] = ()
-    bearings: tuple[FittedBearing, ...] = ()
-
-    @staticmethod
-    def of(
-        function: str,
-        model: Model,
-        brakes: ChosenDrives | None,
-        bearings: Mapping[str, Bearing] | None,
-    ) -> FittedParts:
-        """The parts that a function was given for joints of a model; refuses a bearing that has no
-        limit which a payload could be compared with."""
-        chosen = {} if brakes is None else checked_drives(function, "brakes", brakes)
-        joints = fitting_joints(function, model, chosen) if chosen else ()
-        given, turning = checked_bearings(function, model, bearings), turning_joints(model)
-        for bearing in given.values():
-            if bearing.moment_limit is None and not limits_static_load(bearing):
-                raise bearing.refusal(
-                    f"{function}: it limits no payload: that takes its moment_limit, or of a "
-                    f"crossed roller bearing its static_load; its life fb.bearing_loads tells"
-                )
-        return FittedParts(
-            tuple(
-                FittedBrake(x.name, motor.name, x.column, holding_torque(motor, gear))
-                for x, (motor, gear) in zip(joints, chosen.values(), strict=True)
-            ),
-            tuple(FittedBearing(name, turning[name], x) for name, x in given.items()),
-        )
-
-
-def limits_static_load(bearing: Bearing) -> bool:
-    """Whether a static equivalent load is told of a bearing, and a rating to compare it with."""
-    return bearing.static_load is not None and bearing.kind == "crossed roller"
 
 
 @dataclass(frozen=True)
@@ -179,20 +111,11 @@ class CaseAtStates(Keeps):
     def on_bearings(self) -> tuple[AffineLoad, AffineLoad, AffineLoad]:
         """Axial force (T, n, 1), radial force (T, n, dim) and tilting moment (T, n, 3) of the
         bearings; refuses loads that rigid bodies do not determine."""
-        case, d = self.case, self.case.model.dim
-        both = []
-        for model in (case.model, case.carrying):
-            wrench = known_wrenches(model, *self.states, case.wrenches, "child")
-            each = [
-                bearing_vectors(model.bodies[k], wrench[:, k, :d], wrench[:, k, d:])
-                for k in (x.body for x in case.parts.bearings)
-            ]
-            both.append([np.stack(x, axis=1) for x in zip(*each, strict=True)])
-        bare, loaded = both
-        unknown = np.isnan(bare[1]).any(axis=(0, 2)) | np.isnan(bare[2]).any(axis=(0, 2))
-        if unknown.any():
-            names = [x.joint for x, bad in zip(case.parts.bearings, unknown, strict=True) if bad]
-            raise FreebodyError(f"payload: bearing loads are {undetermined(names)[0]}")
+        case = self.case
+        bare, loaded = (
+            vectors_on_bearings("payload", model, case.parts.bearings, self.states, case.wrenches)
+            for model in (case.model, case.carrying)
+        )
         axial, radial, tilting = (
             AffineLoad.between(x, y) for x, y in zip(bare, loaded, strict=True)
         )

@@ -4,7 +4,7 @@ postures."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,9 @@ import numpy as np
 from freebody.any_chain.effort_limits import chosen_efforts
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.capacity.loaded_case import FittedParts, LoadedCase
+from freebody.capacity.fitted_parts import FittedParts
+from freebody.capacity.loaded_case import LoadedCase
+from freebody.capacity.part_loads import part_loads
 from freebody.capacity.payload_limits import LIMIT_OF_NAME, limited_parts
 from freebody.capacity.reached_masses import along, reached_masses
 from freebody.capacity.segments import LoadedSegment, loaded_segments
@@ -57,8 +59,8 @@ class LargestPayload(Tabled, ByValue):
     overloaded: (...), whether a limit is exceeded without payload. too_fast: names of joints
     whose speed exceeds its limit on a motion, whatever the mass. outside: names of joints that
     leave their ranges on a motion or at a posture. faster: how many times as fast one motion may be
-    run without payload; NaN for several, for postures, and where bearings are judged, whose loads
-    at other speeds are not looked at. joint_names, limits: (K,), the joint of each limit, and which
+    run without payload; NaN for several, for postures, and where it is not known what bearings bear
+    at other speeds. joint_names, limits: (K,), the joint of each limit, and which
     it is: "effort", "brake", "static load" or "tilting moment". parts: (K,), words for what reaches
     it. frame: where the payload is. doubts: those on the robot's masses, drives and effort limits.
     """
@@ -239,16 +241,37 @@ def payload(
     model.require_values("the payload")
     if model.passive and not model.loops:
         refuse_passive(function, model)
-    name = model.frame(frame).name
     shape = {"com": com, "box": box, "cylinder": cylinder}
     for what, given in shape.items():
         refuse_labelled(f"{function}: {what}", given)
-    kilogram = {"mass": 1.0, **shape}
-    limits = chosen_efforts(function, model, effort)
     loads = wrenches_by_frame(function, model, wrenches, single=True)
     parts = FittedParts.of(function, model, brakes, bearings)
+    found = largest_payload(model, motion, loads, parts, shape, frame, effort)
+    if not isinstance(motion, Motion):
+        return found
+    states = motion.q, motion.qd, motion.qdd
+    limits = chosen_efforts(function, model, effort)
+    fitted = part_loads(function, model, parts, motion.t, states, loads)
+    data = torque_parts(model, motion, loads)
+    return replace(found, faster=motion_pace(model, motion, data, loads, limits, fitted).factor)
+
+
+def largest_payload(
+    model: Model,
+    motion: Motion | DutyCycle | Sequence[Motion] | JointVector,
+    loads: Mapping[str, Array],
+    parts: FittedParts,
+    shape: Mapping[str, Any] | None = None,
+    frame: str | None = None,
+    effort: JointVector | None = None,
+) -> LargestPayload:
+    """The largest payload, its arguments checked as `payload` does; how much faster without it is
+    left open (NaN)."""
+    function, name = "payload", model.frame(frame).name
+    kilogram = {"mass": 1.0, **(shape or {})}
+    limits = chosen_efforts(function, model, effort)
     case = LoadedCase.of(model, kilogram, name, limits, loads or None, parts)
-    motions, faster, doubted = _motions(model, motion), np.nan, (model,)
+    motions, doubted = _motions(model, motion), (model,)
     if isinstance(motion, DutyCycle):
         segments = loaded_segments(function, model, motion, loads)
         doubted = tuple(segment.model for segment in segments)
@@ -263,7 +286,6 @@ def payload(
         mass, over, time = along(case, motions)
         if isinstance(motion, Motion):
             mass, over, time = mass[0], over[0], time[0]
-            faster = np.nan if bearings else _faster(model, motion, loads, limits)
     names, kinds, words = zip(*limited_parts(case), strict=True)
     beyond = _outside(model, q.reshape(-1, model.nq)) if motions is None else _leave(model, motions)
     joint = np.argmin(np.where(over, -1.0, mass), axis=-1)
@@ -281,18 +303,13 @@ def payload(
         np.asarray(over.any(axis=-1)),
         () if motions is None else _too_fast(model, motions),
         tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad),
-        faster,
+        np.nan,
         names,
         kinds,
         words,
         name,
         tuple(dict.fromkeys(x for one in doubted for x in doubts_on(one, *aspects))),
     )
-
-
-def _faster(model: Model, motion: Motion, loads: Mapping[str, Array], limits: Array) -> float:
-    """How many times as fast a motion may be run without payload."""
-    return motion_pace(model, motion, torque_parts(model, motion, loads), loads, limits).factor
 
 
 def _in_segment(

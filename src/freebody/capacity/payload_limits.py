@@ -22,16 +22,8 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.capacity.loaded_case import (
-    AffineLoad,
-    CaseAtStates,
-    FittedBearing,
-    LoadedCase,
-    limits_static_load,
-    without_rounding,
-)
-from freebody.design.data_sheets import sure
-from freebody.design.parts import CROSSED_STATIC_AXIAL
+from freebody.capacity.fitted_parts import BEARING_LIMITS, BearingLimit
+from freebody.capacity.loaded_case import AffineLoad, CaseAtStates, LoadedCase, without_rounding
 from freebody.model.losses import lossy_joints
 from freebody.motion.ranges import CLOSE
 from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
@@ -134,33 +126,23 @@ def _of_brakes(at: CaseAtStates) -> Reached:
 
 
 # ------------------------------------------------------------ bearings
-def _with_rating(case: LoadedCase) -> list[tuple[int, FittedBearing]]:
-    return [(k, x) for k, x in enumerate(case.parts.bearings) if limits_static_load(x.bearing)]
+def _bearings(limit: BearingLimit) -> Callable[[LoadedCase], list[tuple[str, str]]]:
+    def parts(case: LoadedCase) -> list[tuple[str, str]]:
+        return [
+            (x.joint, f"{limit.name} on the bearing of {x.joint} ({x.bearing.name})")
+            for x in limit.of(case.parts.bearings).fitted
+        ]
+
+    return parts
 
 
-def _with_moment_limit(case: LoadedCase) -> list[tuple[int, FittedBearing]]:
-    return [(k, x) for k, x in enumerate(case.parts.bearings) if x.bearing.moment_limit]
+def _of_bearings(limit: BearingLimit) -> Callable[[CaseAtStates], Reached]:
+    def reached(at: CaseAtStates) -> Reached:
+        these = limit.of(at.case.parts.bearings)
+        terms = zip(these.weights.T, at.on_bearings, strict=True)
+        return masses_within([(w, x.at(these.places)) for w, x in terms if w.any()], these.limits)
 
-
-def _on(what: str, bearings: Sequence[tuple[int, FittedBearing]]) -> list[tuple[str, str]]:
-    return [
-        (x.joint, f"{what} on the bearing of {x.joint} ({x.bearing.name})") for _, x in bearings
-    ]
-
-
-def _of_static_load(at: CaseAtStates) -> Reached:
-    places, fitted = zip(*_with_rating(at.case), strict=True)
-    sheets = [x.bearing for x in fitted]
-    axial, radial, tilting = (load.at(list(places)) for load in at.on_bearings)
-    lever = np.array([2.0 / sure(x.pitch_diameter) for x in sheets])
-    limits = np.array([sure(x.static_load) / x.static_factor for x in sheets])
-    return masses_within([(1.0, radial), (lever, tilting), (CROSSED_STATIC_AXIAL, axial)], limits)
-
-
-def _of_tilting(at: CaseAtStates) -> Reached:
-    places, fitted = zip(*_with_moment_limit(at.case), strict=True)
-    limits = np.array([sure(x.bearing.moment_limit) for x in fitted])
-    return masses_within([(1.0, at.on_bearings[2].at(list(places)))], limits)
+    return reached
 
 
 _EFFORT, _BEARING = ("effort", "drive"), "bearing"
@@ -170,10 +152,8 @@ PAYLOAD_LIMITS: tuple[PayloadLimit, ...] = (
     PayloadLimit(*_EFFORT, _WEAK, _coordinates, _of_drives),
     PayloadLimit(*_EFFORT, _WEAK, _followers, _of_followers),
     PayloadLimit("brake", "brake", _WEAK, _brakes, _of_brakes),
-    PayloadLimit("static load", _BEARING, _LARGE,
-                 lambda case: _on("static load", _with_rating(case)), _of_static_load),
-    PayloadLimit("tilting moment", _BEARING, _LARGE,
-                 lambda case: _on("tilting moment", _with_moment_limit(case)), _of_tilting),
+    *(PayloadLimit(limit.name, _BEARING, _LARGE, _bearings(limit), _of_bearings(limit))
+      for limit in BEARING_LIMITS),
 )  # fmt: skip
 """All limits of payloads; a new one is a line here."""
 

@@ -28,9 +28,10 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.any_chain.effort_limits import Followers, effort_limits, followers
 from freebody.arrays import Array
+from freebody.capacity.limited_loads import LimitedLoads, constant, efforts_named
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.intervals import Interval, for_each
+from freebody.motion.intervals import for_each
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import CLOSE, Flags, angular, ranges
 from freebody.motion.smooth_friction import (
@@ -53,7 +54,7 @@ class Pace:
 
     Above 1 it may be sped up so far, and at every speed between; below 1 it must be slowed down,
     `factor` being the largest that is within all. 0: no slowing helps. Infinite: no limit is ever
-    reached.
+    reached. NaN: it is not known what a load is at other speeds.
     """
 
     factor: float
@@ -61,7 +62,8 @@ class Pace:
     """The coordinate, or joint that follows one, that reaches its limit at the factor, or cannot be
     slowed into it; empty without one."""
     quantity: str = ""
-    """speed, torque or force: what then is at the limit."""
+    """What then is at the limit: speed, torque or force; of a brake brake torque or brake force, of
+    a bearing static load or tilting moment."""
     time: float = float("nan")
     """Time in the motion as it is given at which that is so (s)."""
     share: float = float("nan")
@@ -76,48 +78,24 @@ def motion_pace(
     data: MotionTorques,
     wrenches: Mapping[str, Array] | None = None,
     effort: Array | None = None,
+    fitted: Sequence[LimitedLoads] = (),
 ) -> Pace:
     """The pace at which a motion with `torque_parts` may be run under the limits of a model;
-    effort: (nv,), others than its own, infinite where there are none."""
-    return pace([limited(model, motion, data, wrenches, effort)])
+    effort: (nv,), others than its own, infinite where there are none; fitted: loads of further
+    parts, as of `part_loads`."""
+    return pace([limited(model, motion, data, wrenches, effort, fitted=fitted)])
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedMotion:
-    """A motion under limits: of speeds, and of torques in groups."""
+    """A motion under limits: of speeds, and of loads in groups."""
 
     names: tuple[str, ...]
     speed: Array
     """(nv,) the pace at which each coordinate alone is at its limit of speed."""
     speed_time: Array
-    torques: tuple[_LimitedTorques, ...]
+    loads: tuple[LimitedLoads, ...]
     segment: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class _LimitedTorques:
-    """Torques (T, n) with limits (n,), all finite, as functions of the pace: at 0 those of slow
-    motion; polynomials of it, as `_ways` has them, or None where they are none."""
-
-    names: tuple[str, ...]
-    turns: Flags
-    limits: Array
-    time: Array
-    at: Callable[[Any], Any]
-    """Torques at a pace, or those that occur at the paces of an interval; (K, T, n) at K of
-    them."""
-    ways: list[tuple[list[Array], list[Array]]] | None
-
-    @property
-    def bound(self) -> Array:
-        return self.limits * (1.0 + CLOSE)
-
-    def kept(self, slow: Array, fast: Array) -> Flags:
-        """(K,) whether the limits are surely kept at all paces from slow (K,) to fast (K,)."""
-        torques = self.at(Interval(slow, fast))
-        sizes = torques.size if isinstance(torques, Interval) else np.abs(torques)
-        within = (sizes <= self.bound).all(axis=(-2, -1))
-        return np.broadcast_to(within, slow.shape)
 
 
 def limited(
@@ -127,6 +105,7 @@ def limited(
     wrenches: Mapping[str, Array] | None = None,
     effort: Array | None = None,
     segment: int = 0,
+    fitted: Sequence[LimitedLoads] = (),
 ) -> LimitedMotion:
     """A motion with `torque_parts` under the limits of a model, as `motion_pace` takes them;
     segment: of a duty cycle, from 1."""
@@ -136,7 +115,8 @@ def limited(
     torques = [_own_torques(model, data, effort_limits(model) if effort is None else effort)]
     if (following := followers(model)) is not None:
         torques.append(_followers_torques(following, data, wrenches))
-    return LimitedMotion(model.velocity_names, alone, peaks.size_at, tuple(torques), segment)
+    loads = (*torques, *fitted)
+    return LimitedMotion(model.velocity_names, alone, peaks.size_at, loads, segment)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,23 +143,25 @@ def held_still(model: Model, q: Array, wrenches: Mapping[str, Array] | None = No
     return HeldStill(names, turns, efforts, limits)
 
 
-def resting(held: HeldStill, time: float, segment: int) -> LimitedMotion:
-    """A rest at the end of a segment, which is the same at any pace."""
+def resting(
+    held: HeldStill, time: float, segment: int, fitted: Sequence[LimitedLoads] = ()
+) -> LimitedMotion:
+    """A rest at the end of a segment, which is the same at any pace; fitted: loads of further
+    parts."""
     some = np.isfinite(held.limits)
     efforts = held.efforts[None, some]
-    nothing = 0.0 * efforts
-    group = _LimitedTorques(
+    group = LimitedLoads(
         tuple(compress(held.names, some)),
-        held.turns[some],
+        *efforts_named(held.turns[some]),
         held.limits[some],
         np.array([time]),
         lambda k: efforts,
-        [([nothing, nothing, efforts], [nothing, nothing, nothing + 1.0])],
+        constant(efforts),
     )
-    return LimitedMotion((), np.zeros(0), np.zeros(0), (group,), segment)
+    return LimitedMotion((), np.zeros(0), np.zeros(0), (group, *fitted), segment)
 
 
-def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTorques:
+def _own_torques(model: Model, data: MotionTorques, effort: Array) -> LimitedLoads:
     some = np.isfinite(effort)
     torque = _torque_at(model, data)
     changing = ChangingFriction(model, _array(data, "q"), _array(data, "qd")).acts
@@ -187,9 +169,9 @@ def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTo
         ([x[:, some] for x in torque], [x[:, some] for x in sent])
         for torque, sent in _ways(model, data)
     ]
-    return _LimitedTorques(
+    return LimitedLoads(
         tuple(compress(model.velocity_names, some)),
-        angular(model)[some],
+        *efforts_named(angular(model)[some]),
         effort[some],
         _array(data, "time"),
         lambda k: torque(k)[..., some],
@@ -199,7 +181,7 @@ def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTo
 
 def _followers_torques(
     following: Followers, data: MotionTorques, wrenches: Mapping[str, Array] | None
-) -> _LimitedTorques:
+) -> LimitedLoads:
     """The torques that reach followers. What does not rub is a polynomial of the pace, which three
     of its values tell; a pace of -1 turns the rates round."""
     q, qd, qdd = (_array(data, name) for name in ("q", "qd", "qdd"))
@@ -217,9 +199,9 @@ def _followers_torques(
     viscous = viscous_torque(freed, own, own_rates)[:, columns]
     a, b = 0.5 * (forth + back) - still, 0.5 * (forth - back) + viscous
     c = still + rubbing(1.0) - viscous - changing.at_pace(1.0)[..., columns]
-    return _LimitedTorques(
+    return LimitedLoads(
         following.names,
-        angular(freed)[columns],
+        *efforts_named(angular(freed)[columns]),
         following.limits,
         _array(data, "time"),
         lambda k: (a * (pace := for_each(k, 2)) + b) * pace + c + changing.at_pace(k)[..., columns],
@@ -230,21 +212,19 @@ def _followers_torques(
 def pace(runs: Sequence[LimitedMotion]) -> Pace:
     """The pace at which motions may be run, all at the same."""
     quickest = min(float(run.speed.min(initial=np.inf)) for run in runs)
-    torques = [part for run in runs for part in run.torques]
-    if all(part.ways is not None for part in torques):
-        ends = [
-            _broken(torque, part.bound, sent)
-            for part in torques
-            for torque, sent in part.ways or ()
-        ]
+    loads = [part for run in runs for part in run.loads]
+    if not all(part.known for part in loads):
+        return Pace(np.nan)
+    if all(part.ways is not None for part in loads):
+        ends = [_broken(load, part.bound, sent) for part in loads for load, sent in part.ways or ()]
         low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
         factor = _within(low, high, quickest)
     else:
-        numbers = max(part.time.size * part.limits.size for part in torques)
+        numbers = max(part.time.size * part.limits.size for part in loads)
         together = int(np.clip(_NUMBERS / max(numbers, 1), *_TOGETHER))
 
         def keeps(slow: Array, fast: Array) -> Flags:
-            return np.logical_and.reduce([part.kept(slow, fast) for part in torques])
+            return np.logical_and.reduce([part.kept(slow, fast) for part in loads])
 
         factor = _searched(keeps, quickest, together)
     if not np.isfinite(factor):
@@ -254,17 +234,16 @@ def pace(runs: Sequence[LimitedMotion]) -> Pace:
 
 
 def _used(run: LimitedMotion, factor: float) -> Iterator[Pace]:
-    """The limits of which a motion uses most at a pace: of speed, and of each group of torques."""
+    """The limits of which a motion uses most at a pace: of speed, and of each group of loads."""
     if factor > 0.0 and len(run.speed):
         j = int(np.argmin(run.speed))
         when, share = float(run.speed_time[j]), factor / float(run.speed[j])
         yield Pace(factor, run.names[j], "speed", when, share, run.segment)
-    for part in run.torques:
-        share = np.abs(part.at(factor)) / part.limits
+    for part in run.loads:
+        share = part.shares(factor)
         if share.size:
             k, j = np.unravel_index(np.argmax(share), share.shape)
-            what = "torque" if part.turns[j] else "force"
-            when = float(part.time[k])
+            what, when = part.quantities[j], float(part.time[k])
             yield Pace(factor, part.names[j], what, when, float(share[k, j]), run.segment)
 
 

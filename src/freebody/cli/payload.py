@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from freebody.cli import motions, numbers, options, terminal
+from freebody.cli import fitted_parts, motions, numbers, options, terminal
 from freebody.errors import FreebodyError
 
 EXAMPLE = 'Example: freebody payload ur5e --q "0, -90 deg, 90 deg, 0, 0, 0" --out loads.svg'
@@ -41,24 +41,9 @@ def payload(
             "effort limits.",
         ),
     ] = None,
-    catalogue: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="The catalogue of --brake and --bearing, TOML."),
-    ] = None,
-    brake: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="JOINT=MOTOR,GEAR",
-            help="The motor whose brake has to hold a joint through a gear, wherever the robot is.",
-        ),
-    ] = None,
-    bearing: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="JOINT=BEARING",
-            help="The bearing of a joint, judged by its static load and its moment limit.",
-        ),
-    ] = None,
+    catalogue: fitted_parts.GivenCatalogue = None,
+    brake: fitted_parts.GivenBrakes = None,
+    bearing: fitted_parts.GivenBearings = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -94,7 +79,7 @@ def payload(
     if out is not None and centre is not None:
         raise FreebodyError("--com: the load diagram has offsets of its own; leave one out.")
     most = None if effort is None else numbers.values("--effort", effort)
-    case = {"wrenches": wrenches, "effort": most, **_parts(catalogue, brake, bearing)}
+    case = {"wrenches": wrenches, "effort": most, **fitted_parts.read(catalogue, brake, bearing)}
     with terminal.progress("payload"):
         found = largest(model, at, com=centre, **case)
     console = terminal.out()
@@ -111,36 +96,6 @@ def payload(
     console.print(f"again:   {options.again(context)}", soft_wrap=True)
     if not found.carries:
         raise typer.Exit(1)
-
-
-def _parts(
-    catalogue: str | None, brakes: list[str] | None, bearings: list[str] | None
-) -> dict[str, Any]:
-    """The brakes and bearings of joints, out of a catalogue."""
-    from freebody.design.catalogue import catalogue as read
-
-    given = ("--brake", brakes), ("--bearing", bearings)
-    asked = [option for option, texts in given if texts]
-    if catalogue is None:
-        if asked:
-            raise FreebodyError(
-                f"{asked[0]}: give the file in which the parts are, --catalogue FILE."
-            )
-        return {}
-    if not asked:
-        raise FreebodyError(
-            "--catalogue: say which of its parts the joints have, --brake JOINT=MOTOR,GEAR or "
-            "--bearing JOINT=BEARING."
-        )
-    parts, held = read(catalogue), {}
-    for joint, names in options.pairs("--brake", brakes, "joint1=M200,W25-100").items():
-        motor, _, gear = (x.strip() for x in names.partition(","))
-        held[joint] = parts.motor(motor), parts.gear(gear)
-    fitted = options.pairs("--bearing", bearings, "joint1=B70").items()
-    return {
-        "brakes": held or None,
-        "bearings": {joint: parts.bearing(name) for joint, name in fitted},
-    }
 
 
 def _where(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from freebody.cli import motions, options, terminal
+from freebody.cli import fitted_parts, motions, options, terminal
 from freebody.errors import FreebodyError, OutputError
 from freebody.formats.read_file import number
 from freebody.outputs.display import counted
@@ -59,6 +59,9 @@ def study(
             "computed ones: t (s) and the joints (N m, N).",
         ),
     ] = None,
+    catalogue: fitted_parts.GivenCatalogue = None,
+    brake: fitted_parts.GivenBrakes = None,
+    bearing: fitted_parts.GivenBearings = None,
     pdf: Annotated[
         Path | None,
         typer.Option(
@@ -88,6 +91,7 @@ def study(
             smooth=cutoff,
             speed=robot.speed,
             measured=measured,
+            **fitted_parts.read(catalogue, brake, bearing),
             progress=lambda text, done: progress(text, 0.7 * done),
         )
         found = replace(found, command=options.again(context))
@@ -162,7 +166,9 @@ def _print_case(studies: Sequence[Study]) -> None:
 
     for k, study in enumerate(studies, 1):
         about = f"Segment {k}. " if len(studies) > 1 else ""
-        terminal.out().print(about + in_a_line(study.model, study.wrenches, study.speed))
+        terminal.out().print(
+            about + in_a_line(study.model, study.wrenches, study.speed, study.parts.words)
+        )
 
 
 def _print_words(found: Study) -> None:

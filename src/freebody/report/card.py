@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.capacity.payload import LargestPayload, payload
+from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
+from freebody.capacity.payload import LargestPayload, largest_payload
 from freebody.design.duty_cycle import DutyCycle
 from freebody.errors import listed
 from freebody.model.model import Model
@@ -40,7 +41,7 @@ class Card(Tabled):
     which limit gives out."""
 
     payload: float
-    """The largest mass at the tip, besides what is carried (kg); infinite where no drive limits it,
+    """The largest mass at the tip, besides what is carried (kg); infinite where nothing limits it,
     NaN where it is not known."""
     payload_joint: str
     """The joint that limits it; empty without one."""
@@ -54,12 +55,12 @@ class Card(Tabled):
     faster_joint: str
     """The joint that is then at its limit; empty without one."""
     faster_quantity: str
-    """The quantity that is: speed, torque or force."""
+    """The quantity that is: speed, torque or force; of a brake or bearing as of `LimitUse`."""
     faster_remark: str
     """Words on what then is at its limit, or why nothing is known."""
     first: LimitUse | None
-    """The limit of speed, torque or power that the motion uses most, or exceeds most, or a range
-    that it leaves; None where none can be told of."""
+    """The limit of speed, torque, power, brake or bearing that the motion uses most, or exceeds
+    most, or a range that it leaves; None where none can be told of."""
 
     @property
     def rows(self) -> tuple[CardRow, ...]:
@@ -101,11 +102,12 @@ def card(
     motion: Motion | DutyCycle,
     judged: MotionVerdict,
     wrenches: Mapping[str, Array] | None,
+    parts: FittedParts = NO_PARTS,
 ) -> Card:
     """The card of a motion, or of a duty cycle, with its verdict, under constant wrenches on the
-    robot by frame."""
+    robot by frame, with the brakes and bearings that it has."""
     reason = _no_payload(model)
-    found = None if reason else payload(model, motion, wrenches=wrenches)
+    found = None if reason else largest_payload(model, motion, wrenches or {}, parts)
     mass, joint, time = (np.nan, "", np.nan) if found is None else _carried(found)
     remark = reason
     if found is not None:

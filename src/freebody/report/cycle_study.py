@@ -16,6 +16,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
+from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
+from freebody.capacity.limited_loads import EFFORTS, LimitedLoads
+from freebody.capacity.part_loads import part_loads
 from freebody.capacity.segments import LoadedSegment
 from freebody.capacity.time_scaling import HeldStill, held_still, resting
 from freebody.design.drive_loads import cycle_notices
@@ -33,7 +36,7 @@ from freebody.report.results import LimitUse, MotionVerdict, percent
 from freebody.report.series import coordinates
 from freebody.report.summary import drive_table, energy_text
 from freebody.report.variables import dataset
-from freebody.report.verdict import EFFORTS, judged_motion, verdict
+from freebody.report.verdict import judged_motion, part_uses, verdict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,6 +72,8 @@ class CycleStudy(Tabled, ByValue):
     """Constant ones on the robot in every segment, besides those of the segments."""
     speed: float = 1.0
     """How many times as fast as given the motions are run; rests are as long as given."""
+    parts: FittedParts = NO_PARTS
+    """The brakes and bearings that are judged besides the drives."""
     command: str = ""
     """The command line that makes it again, where one made it."""
     _aside = ("seconds", "command")
@@ -152,10 +157,11 @@ def cycle_study(
     segments: Sequence[LoadedSegment],
     studies: Sequence[Study],
     noisy: bool,
+    parts: FittedParts,
 ) -> CycleStudy:
     """The study of a duty cycle from those of its segments; noisy: whether the noise of a motion is
     part of its torques."""
-    done = [_StudiedSegment.of(x, study) for x, study in zip(segments, studies, strict=True)]
+    done = [_StudiedSegment.of(x, study, parts) for x, study in zip(segments, studies, strict=True)]
     studied = DutyCycle(
         [
             replace(segment, motion=x.study.motion, wrenches=x.study.wrenches or None)
@@ -165,12 +171,12 @@ def cycle_study(
     )
     found = _summary(model, done, studied)
     motions = [
-        judged_motion(y.model, y.motion, y.data, y.summary, y.wrenches, x.number)
+        judged_motion(y.model, y.motion, y.data, y.summary, y.wrenches, x.number, parts)
         for x, y in zip(done, studies, strict=True)
     ]
     uses = [use for one in motions for use in one.uses if not use.quantity.startswith(_RMS)]
     uses += [use for x in done for use in x.held_uses()]
-    rests = [resting(x.held, x.end, x.number) for x in done if x.held is not None]
+    rests = [resting(x.held, x.end, x.number, x.fitted) for x in done if x.held is not None]
     judged = verdict(motions, noisy, _most([*uses, *_rms_uses(model, found)]), rests)
     jumps = cycle_notices((studied,))
     warned = (*dict.fromkeys(words for study in studies for words in study.warnings), *jumps)
@@ -181,10 +187,11 @@ def cycle_study(
         segments=tuple(studies),
         summary=found,
         verdict=judged,
-        card=card(model, studied, judged, None),
+        card=card(model, studied, judged, None, parts),
         notices=(*told, *jumps),
         warnings=warned,
         seconds={part: sum(x.seconds[part] for x in studies) for part in studies[0].seconds},
+        parts=parts,
     )
 
 
@@ -193,19 +200,28 @@ _RMS = "RMS "
 
 @dataclass(frozen=True, eq=False)
 class _StudiedSegment:
-    """A segment with its study, and what holds the robot still behind it; None without a rest."""
+    """A segment with its study, what holds the robot still behind it (None without a rest), and
+    what its brakes hold and its bearings bear there."""
 
     number: int
     study: Study
     dwell: float
     held: HeldStill | None
+    fitted: tuple[LimitedLoads, ...] = ()
 
     @staticmethod
-    def of(segment: LoadedSegment, study: Study) -> _StudiedSegment:
-        still = None
-        if segment.dwell > 0.0:
-            still = held_still(study.model, study.motion.q[-1], study.wrenches)
-        return _StudiedSegment(segment.number, study, segment.dwell, still)
+    def of(segment: LoadedSegment, study: Study, parts: FittedParts) -> _StudiedSegment:
+        if not segment.dwell > 0.0:
+            return _StudiedSegment(segment.number, study, segment.dwell, None)
+        model, loads, q = study.model, study.wrenches, study.motion.q[-1:]
+        rest, end = np.zeros((1, model.nv)), study.motion.t[-1:]
+        return _StudiedSegment(
+            segment.number,
+            study,
+            segment.dwell,
+            held_still(model, q[0], loads),
+            part_loads("study", model, parts, end, (q, rest, rest), loads),
+        )
 
     @property
     def end(self) -> float:
@@ -219,9 +235,10 @@ class _StudiedSegment:
         return np.zeros(count) if self.held is None else self.held.efforts[:count]
 
     def held_uses(self) -> Iterator[LimitUse]:
-        """The uses of limits of torque and force by the rest."""
+        """The uses of limits of torque and force, of brakes and bearings, by the rest."""
         if self.held is None:
             return
+        yield from (replace(use, segment=self.number) for use in part_uses(self.fitted))
         for name, turns, value, limit in zip(
             self.held.names, self.held.turns, self.held.efforts, self.held.limits, strict=True
         ):

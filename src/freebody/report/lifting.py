@@ -39,11 +39,7 @@ def lifting_along(study: Study) -> Array | None:
     """The largest payload (T,) at the tip at each posture of the motion; None without a tip, or
     where gravity or efforts set no limit."""
     model = study.model
-    if model.tip is None or model.loops or model.passive or not model.gravity.any():
-        return None
-    if study.wrenches:
-        return None  # a payload map knows none
-    if not np.isfinite(ranges(model).effort).any() or _wrong(model):
+    if not _mapped(study):
         return None
     mass = payload_map(model, study.motion.q).mass
     return mass if np.isfinite(mass).all() else None
@@ -84,10 +80,12 @@ class PlaneOfPayloads:
 
 def lifting_over_plane(study: Study) -> PlaneOfPayloads | None:
     """The largest payload over the upright plane of the worst instant; None for an arm without a
-    closed form."""
+    closed form, or where nothing sets a limit."""
+    if not _mapped(study):
+        return None
     model, q = study.model, study.motion.q[study.worst.index]
     tip = model.frame().name
-    form = None if _wrong(model) or study.wrenches else _form(model, tip)
+    form = _form(model, tip)
     if form is None:
         return None
     plane = _plane(model, tip, q)
@@ -133,6 +131,17 @@ def chart(study: Study, found: PlaneOfPayloads) -> PlaneMap:
         [(plane.project(a), plane.project(b)) for a, b in sticks(seen.pose)],
         (float(x), float(y)),
     )
+
+
+def _mapped(study: Study) -> bool:
+    """Whether a payload map tells something of a study's robot: one of open chains with a tip and a
+    drive in every joint, under gravity, efforts limited, and no wrenches, of which it knows
+    nothing."""
+    model = study.model
+    if model.tip is None or model.loops or model.passive or study.wrenches:
+        return False
+    limited = np.isfinite(ranges(model).effort).any()
+    return bool(model.gravity.any()) and bool(limited) and not _wrong(model)
 
 
 def _wrong(model: Model) -> bool:

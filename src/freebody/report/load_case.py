@@ -3,7 +3,7 @@ numbers differ from its file's."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +53,8 @@ class LoadCase(Tabled, ByValue):
         if self.wrenches:
             found.append(("wrench", "", "", words["wrenches"]))
         found.append(("speed", f"{self.speed:.4g}", "times as given", ""))
+        if "parts" in words:
+            found.append(("parts", "", "", words["parts"]))
         if "changed" in words:
             found.append(("changed", "", "", words["changed"]))
         if self.command:
@@ -67,16 +69,20 @@ class LoadCase(Tabled, ByValue):
 
 
 def case_of(
-    model: Model, wrenches: Mapping[str, Array], speed: float = 1.0, command: str = ""
+    model: Model,
+    wrenches: Mapping[str, Array],
+    speed: float = 1.0,
+    command: str = "",
+    parts: Sequence[str] = (),
 ) -> LoadCase:
-    """The load case of a study of a model."""
+    """The load case of a study of a model; parts: brakes and bearings in words."""
     return LoadCase(
         payload=carried_mass(model),
         gravity=np.asarray(model.gravity, dtype=float),
         free=_free(model),
         wrenches=dict(wrenches),
         speed=speed,
-        words=load_case(model, wrenches, speed),
+        words=load_case(model, wrenches, speed, parts),
         command=command,
     )
 
@@ -96,12 +102,16 @@ def _free(model: Model) -> bool:
 
 
 def load_case(
-    model: Model, wrenches: FrameWrenchTable = None, speed: float = 1.0
+    model: Model,
+    wrenches: FrameWrenchTable = None,
+    speed: float = 1.0,
+    parts: Sequence[str] = (),
 ) -> dict[str, str]:
-    """Words by what they are about: "load", "tip", "mounting", "wrenches" and "speed" where there
-    are such, and "changed" where numbers are.
+    """Words by what they are about: "load", "tip", "mounting", "wrenches", "speed" and "parts"
+    where there are such, and "changed" where numbers are.
 
-    wrenches: constant ones by frame. speed: how many times as fast the motion is run.
+    wrenches: constant ones by frame. speed: how many times as fast the motion is run. parts: brakes
+    and bearings that are judged, in words.
 
     They tell the model as it is, not how it was made, so that equal models have equal words but for
     what was changed by name.
@@ -119,6 +129,8 @@ def load_case(
         found["wrenches"] = f"{_pulls(model, wrenches)}, exerted on the robot, world axes."
     if speed != 1.0:
         found["speed"] = f"the motion is run {speed:.4g} times as fast as given."
+    if parts:
+        found["parts"] = f"judged too: {'; '.join(parts)}."
     return {**found, "changed": " ".join(changed)} if changed else found
 
 
@@ -155,7 +167,12 @@ def _number(x: object) -> str:
     return low if low == high else f"{low} … {high}"
 
 
-def in_a_line(model: Model, wrenches: FrameWrenchTable = None, speed: float = 1.0) -> str:
+def in_a_line(
+    model: Model,
+    wrenches: FrameWrenchTable = None,
+    speed: float = 1.0,
+    parts: Sequence[str] = (),
+) -> str:
     """The load case except the tip, in one line."""
-    case = load_case(model, wrenches, speed)
+    case = load_case(model, wrenches, speed, parts)
     return " ".join(f"{about.capitalize()}: {case[about]}" for about in case if about != "tip")

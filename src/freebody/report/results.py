@@ -21,7 +21,8 @@ class LimitUse:
     """The fraction of one limit that a motion uses."""
 
     quantity: str
-    """position, speed, torque, force, RMS torque, RMS force, or power."""
+    """position, speed, torque, force, RMS torque, RMS force, or power; of a brake brake torque or
+    brake force, of a bearing static load or tilting moment."""
     coordinate: str
     value: float
     """The value at which the motion comes nearest to the limit, or goes farthest beyond it."""
@@ -72,7 +73,7 @@ class PaceLimit:
     kept."""
 
     quantity: str
-    """speed, torque or force."""
+    """speed, torque or force; of a brake or bearing as of `LimitUse`."""
     coordinate: str
     time: float
     """When, in the motion as it is studied (s)."""

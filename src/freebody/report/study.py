@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, overload
 
 from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
+from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
 from freebody.capacity.segments import loaded_segments
+from freebody.design.drive_loads import ChosenDrives
 from freebody.design.duty_cycle import DutyCycle, Segment
 from freebody.design.notices import without_motor
+from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, SingularError
 from freebody.model.doubts import readings
 from freebody.model.model import Model
@@ -101,6 +104,8 @@ class Study(Tabled, ByValue):
     """How many times as fast as given the motion is run."""
     command: str = ""
     """The command line that makes it again, where one made it."""
+    parts: FittedParts = NO_PARTS
+    """The brakes and bearings that are judged besides the drives."""
     _aside = ("seconds", "command")
 
     def _title(self) -> str:
@@ -116,9 +121,9 @@ class Study(Tabled, ByValue):
 
     @property
     def load_case(self) -> LoadCase:
-        """The load case: what the robot carries, what pulls at it, how it is mounted, and how fast
-        it is run."""
-        return case_of(self.model, self.wrenches, self.speed, self.command)
+        """The load case: what the robot carries, what pulls at it, how it is mounted, how fast it
+        is run, and which brakes and bearings are judged."""
+        return case_of(self.model, self.wrenches, self.speed, self.command, self.parts.words)
 
     @property
     def checked(self) -> bool:
@@ -177,6 +182,8 @@ def study(
     wrenches: FrameWrenchTable = None,
     smooth: Smooth = False,
     speed: float = 1.0,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
     progress: Progress | None = None,
 ) -> CycleStudy: ...
 
@@ -191,6 +198,8 @@ def study(
     smooth: Smooth = False,
     speed: float = 1.0,
     measured: Measured | None = None,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
     progress: Progress | None = None,
 ) -> Study: ...
 
@@ -205,6 +214,8 @@ def study(
     smooth: Smooth = False,
     speed: float = 1.0,
     measured: Measured | None = None,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
     progress: Progress | None = None,
 ) -> Study | CycleStudy: ...
 
@@ -218,6 +229,8 @@ def study(
     smooth: Smooth = False,
     speed: float = 1.0,
     measured: Measured | None = None,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
     progress: Progress | None = None,
 ) -> Study | CycleStudy:
     """The dynamic study of a robot along a motion, or over a duty cycle.
@@ -245,6 +258,12 @@ def study(
         Torques that were measured during the motion, (t, tau) with t (k,) in the motion's time and
         tau (k, nv), N m and N, or a CSV file (see `read_torques`): shown beside the computed ones,
         with the RMS difference.
+    brakes : {joint: (Motor, Gear)}, optional
+        Drives whose brakes have to hold the robot still wherever it is, as for `payload`; such as
+        the `drives` of `drive_loads`. Their masses are the model's already.
+    bearings : {joint: Bearing}, optional
+        Of joints that turn, judged by their static load and tilting moment, as for `payload`.
+        Verdict, card and pace then count brakes and bearings too.
     progress
         Called with a text and the fraction done.
 
@@ -252,7 +271,8 @@ def study(
     ------
     FreebodyError
         A robot without movable joints; a duty cycle with wrenches that change over time, or that
-        is to be smoothed; torques that were measured at another time or pace, or over a cycle.
+        is to be smoothed; torques that were measured at another time or pace, or over a cycle; a
+        bearing without a limit, or whose load rigid bodies do not determine.
     MissingValueError
         A robot with open parameters.
     """
@@ -267,15 +287,16 @@ def study(
     loads = wrenches_by_frame("study", model, wrenches, single=True)
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
+    parts = FittedParts.of("study", model, brakes, bearings)
     if isinstance(motion, DutyCycle | Segment):
         if measured is not None:
             raise FreebodyError(
                 "study: measured is for one motion; study the segments by themselves."
             )
         cycle = motion if isinstance(motion, DutyCycle) else DutyCycle((motion,))
-        return _over_cycle(model, cycle, loads, smooth, speed, progress)
+        return _over_cycle(model, cycle, loads, parts, smooth, speed, progress)
     torques = None if measured is None else measured_torques(model, measured, speed)
-    found, _ = _along(model, motion, loads, smooth, speed, clock)
+    found, _ = _along(model, motion, loads, parts, smooth, speed, clock)
     return found if torques is None else beside_measured(found, *torques)
 
 
@@ -283,6 +304,7 @@ def _over_cycle(
     model: Model,
     cycle: DutyCycle,
     loads: Mapping[str, Array],
+    parts: FittedParts,
     smooth: Smooth,
     speed: float,
     progress: Progress | None,
@@ -297,9 +319,10 @@ def _over_cycle(
     for k, segment in enumerate(segments):
         part = None if progress is None else _SegmentProgress(progress, k, len(segments))
         clock = _Clock(part)
-        found.append(_along(segment.model, segment.motion, segment.wrenches, None, speed, clock))
+        case = segment.model, segment.motion, segment.wrenches, parts
+        found.append(_along(*case, None, speed, clock))
     studies, noisy = zip(*found, strict=True)
-    whole = cycle_study(model, cycle, segments, studies, any(noisy))
+    whole = cycle_study(model, cycle, segments, studies, any(noisy), parts)
     return replace(whole, wrenches=dict(loads), speed=speed)
 
 
@@ -320,6 +343,7 @@ def _along(
     model: Model,
     motion: Motion | MotionTable | str | os.PathLike[str] | None,
     loads: dict[str, Array],
+    parts: FittedParts,
     smooth: Smooth,
     speed: float,
     clock: _Clock,
@@ -332,9 +356,10 @@ def _along(
         data = series(model, followed, loads)
         found = summary(model, followed, data)
         noisy = bool(measured) and not smooth
-        judged = verdict([judged_motion(model, followed, data, found, loads)], noisy)
+        one = judged_motion(model, followed, data, found, loads, parts=parts)
+        judged = verdict([one], noisy)
     with clock.part("payload", 0.35):
-        carded = card(model, followed, judged, loads)
+        carded = card(model, followed, judged, loads, parts)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
@@ -363,6 +388,7 @@ def _along(
         seconds=clock.seconds,
         wrenches=loads,
         speed=speed,
+        parts=parts,
     )
     return done, noisy
 

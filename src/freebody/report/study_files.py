@@ -46,7 +46,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
         "freebody": freebody.__version__,
         "robot": study.model.name,
         "motion": study.motion.source,
-        **load_case(study.model, study.wrenches, study.speed),
+        **load_case(study.model, study.wrenches, study.speed, study.parts.words),
         **({"command": study.command} if study.command else {}),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
         "verdict": study.verdict.text,

@@ -17,6 +17,9 @@ import numpy as np
 
 from freebody.any_chain.effort_limits import followers
 from freebody.arrays import Array
+from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
+from freebody.capacity.limited_loads import EFFORTS, LimitedLoads
+from freebody.capacity.part_loads import part_loads
 from freebody.capacity.time_scaling import LimitedMotion, Pace, limited, pace, parts
 from freebody.errors import listed
 from freebody.model.doubt_rules.aspects import EFFORTS as EFFORT_LIMITS
@@ -63,17 +66,21 @@ def judged_motion(
     found: xr.Dataset,
     wrenches: Mapping[str, Array] | None = None,
     segment: int = 0,
+    parts: FittedParts = NO_PARTS,
 ) -> JudgedMotion:
     """A motion to be judged, from `Study.data` and `Study.summary`, under constant wrenches by
     frame; segment: of a duty cycle, from 1."""
+    states = motion.q, motion.qd, motion.qdd
+    fitted = part_loads("study", model, parts, motion.t, states, wrenches)
     uses = (
         *_uses(model, motion, ranges(model), found),
         *_followers_uses(model, motion, wrenches),
+        *part_uses(fitted),
     )
     return JudgedMotion(
         model,
         data,
-        limited(model, motion, data, wrenches, segment=segment),
+        limited(model, motion, data, wrenches, segment=segment, fitted=fitted),
         tuple(replace(use, segment=segment) for use in uses),
     )
 
@@ -110,6 +117,10 @@ def verdict(
     return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor, limit)
 
 
+_OTHER_LOADS = (
+    "At which other speed its bearings would keep their limits is not known: friction in its loops "
+    "changes with the speed."
+)
 _NOISY = "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it out."
 
 
@@ -156,6 +167,15 @@ class _WeighedDoubts:
         return "not judged" if self.wrong or self.unknown else "feasible"
 
 
+_PART_LIMITS = {
+    "brake torque": "what {joint}'s brake holds",
+    "brake force": "what {joint}'s brake holds",
+    "static load": "the static load of {joint}'s bearing",
+    "tilting moment": "the tilting moment of {joint}'s bearing",
+}
+"""Limits of brakes and bearings in words, by the quantity that has them."""
+
+
 def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     """Whether the use of a limit depends on something doubtful."""
     aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORT_LIMITS))
@@ -170,6 +190,7 @@ _ASPECTS = {
     "position": (RANGES,),
     "speed": (SPEEDS,),
     "power": (MASSES, ROTORS, EFFORT_LIMITS, SPEEDS),
+    **dict.fromkeys(_PART_LIMITS, (MASSES,)),
 }
 """Aspects that the use of a limit rests on, where that is not a torque."""
 
@@ -216,8 +237,20 @@ def _followers_uses(
         yield LimitUse(what, name, float(x[k]), float(limit), share, time, unit)
 
 
-EFFORTS = {True: ("torque", "N m"), False: ("force", "N")}
-"""Names of the effort of a joint, with its unit, by whether the joint turns."""
+def part_uses(fitted: Iterable[LimitedLoads]) -> Iterator[LimitUse]:
+    """The uses of the limits of brakes and bearings."""
+    for part in fitted:
+        loads, shares = np.abs(part.at(1.0)), part.shares(1.0)
+        for j, k in enumerate(np.argmax(shares, axis=0)):
+            yield LimitUse(
+                part.quantities[j],
+                part.names[j],
+                float(loads[k, j]),
+                float(part.limits[j]),
+                float(shares[k, j]),
+                float(part.time[k]),
+                part.units[j],
+            )
 
 
 def _position(
@@ -341,10 +374,14 @@ def _paces(
     out = any(use.exceeded and use.quantity == "position" for use in uses)
     if run.factor == 0.0:
         return [_held_too_much(model, run)]
+    if np.isnan(run.factor):
+        return [_OTHER_LOADS]
     if any(use.exceeded and use.quantity != "position" for use in uses):
         rest = "; the other problems remain" if out or undriven else ""
+        parts = any(use.quantity in _PART_LIMITS for use in uses)
+        kinds = "speed, torque, brakes and bearings" if parts else "speed and torque"
         return [
-            f"It would keep the limits of speed and torque at {rounded_down(run.factor)} times its "
+            f"It would keep the limits of {kinds} at {rounded_down(run.factor)} times its "
             f"speed ({1 / run.factor:.3g} times the duration){rest}."
         ]
     if out or undriven:
@@ -365,9 +402,10 @@ def _paces(
 def _held_too_much(model: Model, run: Pace) -> str:
     """A sentence on torques that exceed a limit however slow the motion is."""
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
+    limit = _PART_LIMITS.get(run.quantity, "{joint}'s limit").format(joint=run.joint)
     return (
         f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-        f"{percent(run.share)} of {run.joint}'s limit"
+        f"{percent(run.share)} of {limit}"
         f"{instant(run.time, run.segment)}."
     )
 

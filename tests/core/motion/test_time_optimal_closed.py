@@ -4,6 +4,7 @@ the drives are held and reached, as inverse dynamics tells."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,34 @@ def test_torques_of_the_drives_are_held_and_reached(wrench: list[float] | None):
     torque = np.abs(fb.inverse_dynamics(model, q, qd, qdd, wrench))
     assert (torque <= most * 1.001).all()
     assert np.mean((torque[:, :2] / most[:2]).max(axis=1) > 0.98) > 0.95
+
+
+POINTER = """
+[[link]]
+name = "pointer"
+mass = 1.0
+com = [0.3, 0]
+inertia = 0.01
+
+[[joint]]
+name = "gauge"
+kind = "revolute"
+parent = "ground"
+child = "pointer"
+mimic = { joint = "theta1" }
+limits = { effort = 2.0 }
+"""
+
+
+def test_limits_of_followers_are_not_held_and_that_is_said():
+    text = (files("freebody.robots") / "five_bar.toml").read_text()
+    model = fb.load(text=text + POINTER, format="toml")
+    limits = {"theta1": 9.0, "theta2": 11.0}
+    motion = fb.time_optimal(model, WAY, torque=[9.0, 11.0, 0.1, 0.1], points=201)
+    (notice,) = motion.notices
+    assert notice.startswith("What the loops bring to gauge is not held within its own limit")
+    judged = fb.payload(model, motion, effort=limits)
+    assert "gauge is overloaded without payload" in judged.card
 
 
 def test_near_a_singular_position_loops_stay_closed_and_torques_are_held():
