@@ -17,8 +17,10 @@ import time
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import freebody
+
 HERE = Path(__file__).parent
-BESIDE = ("freebody", "numpy", "pin", "drake", "mujoco", "sympy", "toppra", "fmpy", "jax")
+BESIDE = ("numpy", "pin", "drake", "mujoco", "sympy", "toppra", "fmpy", "jax")
 
 
 def claims() -> list[Path]:
@@ -50,7 +52,7 @@ def replay(path: Path) -> tuple[bool, str, float]:
 
 def versions() -> str:
     """The packages that took part, with their versions, and the machine."""
-    found = []
+    found = [f"freebody {freebody.__version__}"]  # as imported; metadata may be of another
     for package in BESIDE:
         try:
             found.append(f"{package} {version(package)}")

@@ -151,7 +151,7 @@ class UnknownNameError(FreebodyError, KeyError):
     """A name that does not exist, with the nearest that does and the list of all."""
 
     def __init__(self, what: str, name: object, owner: str, names: Iterable[str]):
-        known = list(names)
+        known = sorted(names, key=lambda known: "." in known)  # l1 before joint1.friction.viscous
         hint = capitalised(did_you_mean(likely(str(name), known)))
         plural = what if what.endswith("s") else f"{what}s"
         if what.endswith("y") and what[-2:-1] not in "aeou":

@@ -99,6 +99,32 @@ def test_links_lead_somewhere(page: Path):
     assert wrong == []
 
 
+EXTERNAL_LINK = re.compile(r"\]\((\w+:[^)]*)\)|<(\w+://[^>]*)>")
+WELL_FORMED = re.compile(r"https://[\w-]+(\.[\w-]+)+(/[^\s<>]*)?")
+PLACEHOLDER = re.compile(r"example\.(com|org|net)|localhost|TODO", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_to_the_web_are_well_formed(page: Path):
+    """Encrypted, without blanks, and no placeholder; whether anybody answers no test asks."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    links = ["".join(parts) for parts in EXTERNAL_LINK.findall(text)]
+    assert [x for x in links if not WELL_FORMED.fullmatch(x) or PLACEHOLDER.search(x)] == []
+
+
+def test_every_page_can_be_reached_from_the_readme():
+    """By links from page to page."""
+    reached, ahead = set(), [ROOT / "README.md"]
+    while ahead:
+        page = ahead.pop()
+        if page in reached or page not in PAGES:
+            continue
+        reached.add(page)
+        found = LOCAL_LINK.findall(page.read_text(encoding="utf-8"))
+        ahead += [(page.parent / path).resolve() for path, _ in found if path]
+    assert sorted(name(page) for page in set(PAGES) - reached) == []
+
+
 HELP = {"": told(["--help"])[1], **commands()}
 
 

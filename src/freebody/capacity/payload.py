@@ -126,7 +126,10 @@ class LargestPayload(Tabled, ByValue):
             return f"carries nothing {where} · {self.remark}"
         told = [f"carries {rounded_down(float(self.mass[at]))} kg {where}", self.remark]
         if np.isfinite(self.faster) and self.faster >= 1.0:
-            told.append(f"{rounded_down(self.faster, 2)} times as fast possible without it")
+            pace = rounded_down(self.faster, 2)
+            told.append(
+                "no faster without it" if pace == "1" else f"without it {pace} times as fast"
+            )
         return " · ".join(told)
 
     @property

@@ -14,6 +14,7 @@ import typer
 
 from freebody.cli.numbers import by_commas, values
 from freebody.errors import FreebodyError, shown
+from freebody.outputs.display import counted
 
 if TYPE_CHECKING:
     from freebody.arrays import Array
@@ -55,7 +56,7 @@ def payload_arguments(text: str) -> dict[str, Any]:
     if sizes and match["shape"] == "inertia":
         if len(sizes) not in (1, 6):
             raise FreebodyError(
-                f"--payload {shown(text)}: inertia has {len(sizes)} entries, expected "
+                f"--payload {shown(text)}: inertia has {counted(len(sizes), 'entry')}, expected "
                 f"xx,yy,zz,xy,xz,yz, or in the plane one."
             )
         sizes = [sizes[k] for k in _ENTRIES] if len(sizes) == 6 else sizes[0]

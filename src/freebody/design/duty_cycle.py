@@ -14,7 +14,7 @@ import numpy as np
 from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
 from freebody.design.tip_places import TipPlaces
-from freebody.errors import FreebodyError, KindError, UnknownNameError, shown
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model.inertia import Inertia
@@ -235,7 +235,7 @@ class DutyCycle(Tabled, ByValue):
 
     def _title(self) -> str:
         return (
-            f"DutyCycle: {counted(len(self.segments), 'segment')} in {self.duration:.4g} s"
+            f"Duty cycle: {counted(len(self.segments), 'segment')} in {self.duration:.4g} s"
             f"{'; ' if self.source else ''}{self.source}"
         )
 
@@ -294,11 +294,14 @@ def _planned(model: Model, table: TomlTable, places: TipPlaces) -> Motion:
 
 def _points(model: Model, table: TomlTable) -> list[list[float]]:
     """Positions of the joints, of a closed chain of the driven ones."""
-    size = len(model.driven_names) if model.loops else model.nq
+    names = model.driven_names if model.loops else model.position_names
     rows = table.listed(table.data["points"], "points", None)
+    each = listed(names, 8)
     return [
         [table.read_number(x, "angle", ("points", i, j)) for j, x in enumerate(row)]
-        for i, row in enumerate(table.listed(row, "points", size, i) for i, row in enumerate(rows))
+        for i, row in enumerate(
+            table.listed(row, "points", len(names), i, each=each) for i, row in enumerate(rows)
+        )
     ]
 
 

@@ -83,6 +83,13 @@ def _why(model: Model, target: Array, at: Array) -> str:
     return f" within the joints' limits: {listed(joints, 8)} is beyond its own" if joints else ""
 
 
+_PLACE = {
+    2: "x, y and the angle, or x, y alone",
+    3: "x, y, z, roll, pitch, yaw, or x, y, z alone",
+}
+"""What a place of the tip consists of, in the plane and in space."""
+
+
 def _places(model: Model, table: TomlTable) -> list[Array]:
     """Points (dim,), or poses (dim + 1, dim + 1) where an orientation is given."""
     dim, turns = model.dim, 3 if model.dim == 3 else 1
@@ -90,7 +97,7 @@ def _places(model: Model, table: TomlTable) -> list[Array]:
     for i, row in enumerate(table.listed(table.data["tip"], "tip", None)):
         kinds = ("number",) * dim + ("angle",) * turns
         size = dim if isinstance(row, list) and len(row) == dim else len(kinds)
-        row = table.listed(row, "tip", size, i)
+        row = table.listed(row, "tip", size, i, each=_PLACE[dim])
         numbers = [
             table.read_number(x, kind, ("tip", i, j))
             for j, (x, kind) in enumerate(zip(row, kinds, strict=False))

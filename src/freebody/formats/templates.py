@@ -43,7 +43,7 @@ def template(name: str, /, **numbers: Any) -> Model:
         raise KindError("fb.template", "name", name, "the name of a template")
     names = read_file.template_names()
     if name not in names:
-        raise UnknownNameError("template", name, "template", names)
+        raise UnknownNameError("template", name, "fb.template", names)
     model = load(f"{TEMPLATE}{name}", physical="ignore")
     # a number of one's own takes the place of the template's formula for it
     followed = {formula.name for formula in model.formulas} & numbers.keys()

@@ -17,6 +17,7 @@ from typing import Any, NoReturn, TypeVar
 from freebody.errors import FileError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.model.parameters import Parameter, Quantity
+from freebody.outputs.display import counted
 
 KeyPath = tuple[str | int, ...]
 """The place of a value in a text, such as ("joint", 2, "axis")."""
@@ -216,7 +217,9 @@ class TomlTable:
             )
         return TomlTable(self.file, self.lines, (*self.path, *at), value, self.where)
 
-    def listed(self, value: Any, key: str, size: int | None, *at: int) -> list[Any]:
+    def listed(self, value: Any, key: str, size: int | None, *at: int, each: str = "") -> list[Any]:
+        """The value at a key as a list of so many entries; `each` says what they are, for who gave
+        another number of them."""
         if not isinstance(value, list):
             self.refuse(
                 f"{_label((key, *at))} is {_kind(value)}, expected a list of numbers in brackets.",
@@ -225,7 +228,10 @@ class TomlTable:
             )
         if size is not None and len(value) != size:
             self.refuse(
-                f"{_label((key, *at))} has {len(value)} entries, expected {size}.", key, *at
+                f"{_label((key, *at))} has {counted(len(value), 'entry')}, expected {size}"
+                f"{each and f': {each}'}.",
+                key,
+                *at,
             )
         return value
 

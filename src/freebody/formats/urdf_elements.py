@@ -17,6 +17,7 @@ from freebody.errors import FileError, IncludedLine, shown
 from freebody.formats import read_file
 from freebody.model.description import Notice
 from freebody.model.placement import Placement, rpy, shift
+from freebody.outputs.display import counted
 
 _ELEMENTS, _ATTRIBUTES, _DEEPEST = 500_000, 2_000_000, 200
 _TEXT = 80  # characters kept of an element's text
@@ -174,7 +175,7 @@ class Elements:
             text = " ".join(words)
             self.refuse(
                 element,
-                f"{where}: {key}={shown(text)} has {len(words)} entries, expected 3 "
+                f"{where}: {key}={shown(text)} has {counted(len(words), 'entry')}, expected 3 "
                 f"numbers{_unexpanded(text)}.",
             )
         x, y, z = (self.read(element, key, word, where) for word in words)

@@ -44,6 +44,7 @@ from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tip import chosen, with_tip
 from freebody.model.tree import Attached
+from freebody.outputs.display import counted
 from freebody.spatial import of_dimension, unit
 
 _MOST_STEPS = 1000
@@ -360,8 +361,8 @@ class _DescriptionChecks:
         if len(joint.numbers) != len(own):
             named = ", ".join(f"{number.name} ({number.unit})" for number in own) or "none"
             self.refuse(
-                f"{where}: numbers has {len(joint.numbers)} entries; those of a {joint.kind} joint "
-                f"are: {named}.",
+                f"{where}: numbers has {counted(len(joint.numbers), 'entry')}; those of a "
+                f"{joint.kind} joint are: {named}.",
                 joint.line,
             )
         try:

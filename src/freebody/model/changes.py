@@ -39,6 +39,7 @@ from freebody.model.shafts import shafts, without_shafts
 from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tree import Attached
+from freebody.outputs.display import counted
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -265,7 +266,7 @@ def with_frame(
     if position is not None:
         if len(position) != model.dim:
             raise ModelError(
-                f"{function}: position has {len(position)} entries, expected {model.dim}."
+                f"{function}: position has {counted(len(position), 'entry')}, expected {model.dim}."
             )
         placement = placement.then(shift(*(finite(x, f"{function}: position") for x in position)))
     if rotation is not None:

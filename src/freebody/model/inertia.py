@@ -26,6 +26,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.placement import rotation_matrix
 from freebody.model.quantity_reader import VALUES, QuantityReader
+from freebody.outputs.display import counted
 from freebody.outputs.number_text import compared
 from freebody.spatial import Vector
 
@@ -130,7 +131,8 @@ class Inertia:
         """Uniform box with sides along the axes; two sides make a planar rectangle."""
         if len(size) not in (2, 3):
             raise ModelError(
-                f"Inertia.box: size has {len(size)} entries, expected 3, or 2 in the plane."
+                f"Inertia.box: size has {counted(len(size), 'entry')}, expected 3, or 2 in the "
+                f"plane."
             )
         x, y, z = (side * side for side in (*size, 0.0)[:3])
         return _shape(

@@ -97,7 +97,7 @@ def encoded(content: str | bytes) -> bytes:
 def stem(name: str) -> str:
     """A file name without suffix made of a robot's name, which stays in its folder whatever the
     robot is called."""
-    return re.sub(r"[^\w.-]+", "_", name).strip("._")[:60] or "robot"
+    return re.sub(r"[^\w.-]+", "_", name).strip("._")[:60].rstrip("._") or "robot"
 
 
 def _is_stream(target: Path) -> bool:

@@ -215,7 +215,7 @@ def test_a_cycle_from_a_file(tmp_path: Path):
         ("mass = 4,", "", "payload: mass is missing"),
         ("there.csv", "nowhere.csv", "there is no such file"),
         ('[1.1, "30 deg"]', "[1.1, 0.7]", "segment 2 begins with 0.7"),
-        ("times = [0, 1]", "times = [0]", "times has 1 entries, expected 2"),
+        ("times = [0, 1]", "times = [0]", "times has 1 entry, expected 2"),
         ("force", "forces", "no key 'forces'"),
         (f'frame = "{arm.tip}"', 'frame = "hand"', "no frame 'hand'"),
         ('motion = "there.csv"', "", "give the file of a motion"),
@@ -248,10 +248,10 @@ def test_a_cycle_by_places_of_the_tip(tmp_path: Path):
     for old, new, words in (
         (second, "3, 0, 0.6", "brings the tip to place 2: it is 2"),
         (second, "0.2, 0.3, 0.3", "joint3 at 0.377 is beyond its own"),
-        ("tip =", "points =", "points[0] has 3 entries, expected 4"),
+        ("tip =", "points =", "points[0] has 3 entries, expected 4: "),
         ("tip =", "#", "or places of the tip"),
         ("times", "points = []\ntimes", "and one of these"),
-        (second, "0.1", "tip[1] has 1 entries, expected"),
+        (second, "0.1", "tip[1] has 1 entry, expected"),
     ):
         file.write_text(text.replace(old, new, 1))
         with pytest.raises(fb.FileError, match=re.escape(words)):

@@ -39,7 +39,7 @@ def test_loaded_there_empty_back():
     assert status == 0, said
     text = " ".join(said.split())
     assert "no maker sells any of it" in text
-    assert "DutyCycle: 2 segments in 2 s; cycle.toml" in text
+    assert "Duty cycle: 2 segments in 2 s; cycle.toml" in text
     assert "again: freebody size 2R" in text
     sized = fb.load("sized.toml")
     mine = fb.size(arm, fb.DutyCycle.read(arm, "cycle.toml"), fb.catalogue("invented"), life=5000.0)

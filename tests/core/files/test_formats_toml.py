@@ -339,7 +339,7 @@ def test_loops():
         ("[planar]\nword = 'RX'\n",
          "arm.toml:1: planar: the word 'RX' must be made of the letters R and P, such as "
          "'RR' or 'RP'."),
-        ("[planar]\nword = 'RR'\nl = [1]\n", "arm.toml:3: [planar]: l has 1 entries, expected 2."),
+        ("[planar]\nword = 'RR'\nl = [1]\n", "arm.toml:3: [planar]: l has 1 entry, expected 2."),
         ("[planar]\nword = 'R'\n" + LINKS,
          "arm.toml:1: [planar] describes the whole arm; remove the other links "
          "and joints."),

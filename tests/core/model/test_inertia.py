@@ -216,7 +216,7 @@ def test_refusals():
         lambda: Inertia.point(1.0).placed(2 * np.eye(3), (0, 0, 0)),
     )
     refused(
-        "Inertia.box: size has 1 entries, expected 3, or 2 in the plane.",
+        "Inertia.box: size has 1 entry, expected 3, or 2 in the plane.",
         lambda: Inertia.box(1.0, (1.0,)),
     )
     refused(

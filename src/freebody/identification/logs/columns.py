@@ -22,6 +22,7 @@ from freebody.identification.logs.table import LogTable
 from freebody.model.model import Model
 from freebody.motion.files.csv_columns import named_unit
 from freebody.motion.ranges import angular, position_columns
+from freebody.outputs.display import counted
 
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|[^\W\d_a-zA-Z]+")
 _BESIDE = words_in(
@@ -133,7 +134,8 @@ class _Reading:
         found = self.layout.lists()[key]
         if found and len(found) != count:
             raise self.table.refusal(
-                f"{key} in {self.layout.file} has {len(found)} entries, the log has {count} joints."
+                f"{key} in {self.layout.file} has {counted(len(found), 'entry')}, the log has "
+                f"{counted(count, 'joint')}."
             )
         return found
 

@@ -24,6 +24,7 @@ from freebody.errors import FreebodyError, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.identification.logs.quantities import QUANTITIES, TIME_UNITS
+from freebody.outputs.display import counted
 
 ColumnRef = int | str
 """A column's number from 1, or its name."""
@@ -118,7 +119,8 @@ def _same_length(table: TomlTable, layout: LogLayout) -> None:
         if size != sizes[first]:
             key = key if key in table else "gears"
             table.refuse(
-                f"{key} has {size} entries, {first} has {sizes[first]}; give one for each joint.",
+                f"{key} has {counted(size, 'entry')}, {first} has {sizes[first]}; give one for "
+                f"each joint.",
                 key,
             )
 
