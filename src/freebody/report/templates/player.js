@@ -133,6 +133,7 @@ class Player {
   begin() { this.began = [performance.now(), this.t[this.k]]; }
   play() {
     this.playing = true;
+    this.stage.hurry(true);
     if (this.k === this.t.length - 1) this.k = 0;
     this.begin();
     find("play").textContent = "Pause";
@@ -152,6 +153,7 @@ class Player {
   }
   pause() {
     this.playing = false;
+    this.stage.hurry(false);
     find("play").textContent = "Play";
   }
 }
