@@ -1,6 +1,7 @@
 // A robot on a canvas: floor, shadow, solids with light, the path of its tip, and names.
 
-const FINE = 2, MOST = 2.6e6;
+// Pixels of the drawing for each of the page, still and while it plays.
+const FINE = 2, QUICK = 1, MOST = 2.6e6;
 // The page's colours, as they are in light or dark.
 class Colours {
   constructor() { this.read(); }
@@ -24,7 +25,7 @@ class Colours {
 class Stage {
   // place(q, frames) is the robot's kernel.
   constructor(canvas, svg, scene, bodies, place) {
-    Object.assign(this, {canvas, svg, scene, place, context: canvas.getContext("2d"), path: []});
+    Object.assign(this, {canvas, svg, scene, place, context: canvas.getContext("2d"), path: [], quick: false});
     this.frames = new Float64Array(FRAME * (bodies + 1));
     this.frames.set([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
     this.own = this.frames.subarray(FRAME);
@@ -37,7 +38,7 @@ class Stage {
     this.resize();
   }
   resize() {
-    const {clientWidth: wide, clientHeight: tall} = this.canvas, wanted = Math.max(FINE, devicePixelRatio);
+    const {clientWidth: wide, clientHeight: tall} = this.canvas, wanted = Math.max(this.quick ? QUICK : FINE, this.quick ? 1 : devicePixelRatio);
     if (!wide || !tall) return;
     const fine = Math.min(wanted, Math.sqrt(MOST / wide / tall));
     [this.wide, this.tall, this.fine] = [wide, tall, fine];
@@ -46,6 +47,13 @@ class Stage {
     this.camera.fit(this.canvas.width, this.canvas.height);
     this.camera.thin = fine;
     this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
+  }
+  // Draws coarser and quicker, or finely again.
+  hurry(quick) {
+    if (this.quick === quick) return;
+    this.quick = quick;
+    this.resize();
+    this.draw();
   }
   // Places of a point of the robot at each of several positions.
   places(positions, point) {

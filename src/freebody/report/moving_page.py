@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +17,10 @@ from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
 from freebody.moving.scene import scene
 from freebody.outputs.page_script import joined, packed
+from freebody.report.page_figures import TOTAL
 from freebody.report.page_tables import EVERYDAY
 from freebody.report.tables import shortened
+from freebody.report.what_if import WhatIf, limits, peaks, what_if
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
@@ -31,6 +33,7 @@ _RENDERER = (
     "numbers.js", "inflated.js", "solids.js", "raster.js", "camera.js", "floor.js", "labels.js",
     "stage.js",
 )  # fmt: skip
+_PLAYER = "what_if", "player"
 _USED = 3  # limits whose nearest instants are marked
 
 
@@ -62,6 +65,14 @@ class NowRow:
 
 
 @dataclass(frozen=True)
+class WhatRow:
+    """A drive whose torques the page computes itself: its number among the drives."""
+
+    name: str
+    column: int
+
+
+@dataclass(frozen=True)
 class MovingPage:
     """The parts of a study's page that move: the script, and what its template writes."""
 
@@ -69,16 +80,21 @@ class MovingPage:
     instants: tuple[Instant, ...]
     heads: tuple[str, ...]
     rows: tuple[NowRow, ...]
+    what: WhatIf
+    what_rows: tuple[WhatRow, ...]
 
 
 def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     """The moving parts of a page with some plots over the motion's time, numbered in order."""
     t = study.motion.t
     marks = list(_marks(study))
-    kept = _kept(len(t), [k for k, _ in marks])
+    kept = _kept(len(t), [*(k for k, _ in marks), *peaks(study)])
     columns = _ShownCurves(kept)
-    shown = [_plotted(plot, columns) for plot in plots]
-    rows = tuple(_rows(study, columns))
+    drives = list(_drives(study, columns))
+    efforts = {drive["name"]: drive["effort"] for drive in drives}
+    shown = [_plotted(plot, columns, efforts) for plot in plots]
+    rows = tuple(_rows(study, columns, drives))
+    what = what_if(study, kept)
     places = {int(k): n for n, k in enumerate(kept)}
     instants = tuple(Instant(places[k], f"{t[k]:.3g}", words) for k, words in marks)
     data = {
@@ -87,19 +103,27 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         "nq": study.model.nq,
         "plots": shown,
         "first": places[study.worst.index],
+        "what": what.data,
+        "nv": study.model.nv,
+        "drives": drives,
     }
     script = joined("freebody.moving", _RENDERER) + "\n"
-    player = joined("freebody.report", ["templates/player.js"])
+    player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
         "TIMES": _numbers(t[kept]),
         "POSITIONS": _numbers(study.motion.q[kept]),
         "VALUES": _numbers(np.array(columns.found, dtype=np.float32)),
+        "RATES": "" if what.rates is None else _numbers(what.rates),
+        "EXPECTED": "" if what.expected is None else _numbers(what.expected),
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
-    text = f'"use strict";\n{placements(study.model)}\n{script}{player}\n'
-    return MovingPage(text, instants, ("position", "speed", "torque, force"), rows)
+    text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{script}{player}\n'
+    names = enumerate(shortened([drive["name"] for drive in drives]))
+    what_rows = tuple(WhatRow(name, k) for k, name in names)
+    heads = ("position", "speed", "torque, force")
+    return MovingPage(text, instants, heads, rows, what, what_rows)
 
 
 def _marks(study: Study) -> Iterator[tuple[int, str]]:
@@ -137,15 +161,44 @@ class _ShownCurves:
 
     def number(self, curve: Array) -> int:
         """The number of a curve (T,)."""
-        column = np.asarray(curve, dtype=np.float32)[self._kept]
+        column = self._shown(curve)
         number = self._numbers.setdefault(column.tobytes(), len(self.found))
         if number == len(self.found):
             self.found.append(column)
         return number
 
+    def own(self, curve: Array) -> int:
+        """The number of a curve (T,) that the page may compute anew: no other has it."""
+        self.found.append(self._shown(curve))
+        return len(self.found) - 1
 
-def _plotted(plot: Plot, columns: _ShownCurves) -> dict[str, Any]:
-    """A plot's axes and curves as a page reads them."""
+    def _shown(self, curve: Array) -> NDArray[np.float32]:
+        return np.asarray(curve, dtype=np.float32)[self._kept]
+
+
+def _drives(study: Study, columns: _ShownCurves) -> Iterator[dict[str, Any]]:
+    """The drives as a page reads them: coordinate, columns of torque and speed, unit, limit."""
+    model, data, allowed = study.model, study.data, limits(study)
+    for name in model.driven_names:
+        k = model.velocity_names.index(name)
+        yield {
+            "name": name,
+            "coordinate": k,
+            "effort": columns.own(data["tau"].values[:, k]),
+            "speed": columns.own(data["qd"].values[:, k]),
+            "unit": str(data["effort_unit"].values[k]),
+            "limit": allowed[k],
+        }
+
+
+def _plotted(plot: Plot, columns: _ShownCurves, efforts: Mapping[str, int]) -> dict[str, Any]:
+    """A plot's axes and curves as a page reads them; efforts: the column of each drive's torque,
+    which is the total in the plot of its name."""
+
+    def column(name: str, curve: Array) -> int:
+        own = efforts.get(plot.title) if name == TOTAL else None
+        return columns.number(curve) if own is None else own
+
     axes = axes_of(plot)
     return {
         "page": axes.box,
@@ -154,21 +207,23 @@ def _plotted(plot: Plot, columns: _ShownCurves) -> dict[str, Any]:
         "log": axes.log,
         "unit": plot.unit,
         "curves": [
-            {"name": name, "colour": plot.colour(name), "column": columns.number(curve)}
+            {"name": name, "colour": plot.colour(name), "column": column(name, curve)}
             for name, curve in plot.curves.items()
         ],
     }
 
 
-def _rows(study: Study, columns: _ShownCurves) -> Iterator[NowRow]:
+def _rows(
+    study: Study, columns: _ShownCurves, drives: Sequence[Mapping[str, Any]]
+) -> Iterator[NowRow]:
     """The rows of the table of an instant; none where a robot has many drives."""
     model, data = study.model, study.data
     driven = list(model.driven_names)
     if len(driven) > _DRIVES:
         return
     positions = [str(x) for x in data["position"].values]
-    for name, short in zip(driven, shortened(driven), strict=True):
-        k = model.velocity_names.index(name)
+    for drive, name, short in zip(drives, driven, shortened(driven), strict=True):
+        k = drive["coordinate"]
         unit, effort = (str(data[x].values[k]) for x in ("unit", "effort_unit"))
         at = data["q"].values[:, positions.index(name)] if name in positions else None
         scale, everyday = EVERYDAY[unit]
@@ -178,8 +233,8 @@ def _rows(study: Study, columns: _ShownCurves) -> Iterator[NowRow]:
             short,
             (
                 None if at is None else NowCell(columns.number(at), everyday, scale),
-                NowCell(columns.number(data["qd"].values[:, k]), f"{unit}/s", 1.0),
-                NowCell(columns.number(data["tau"].values[:, k]), effort, 1.0),
+                NowCell(drive["speed"], f"{unit}/s", 1.0),
+                NowCell(drive["effort"], effort, 1.0),
             ),
         )
 

@@ -138,7 +138,7 @@ def _facts(study: Study) -> dict[str, Any]:
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "freedom": mobility(model, motion.q[0]).generic,
         "samples": len(motion.t),
-        "parts": [words for words in figures.parts(study).values() if words != "total"],
+        "parts": [words for words in figures.parts(study).values() if words != figures.TOTAL],
         "limited": bool(np.isfinite(ranges(model).effort).any()),
         "mimic": [body.joint for body in model.bodies if body.joint.mimic is not None],
         "worst_miss": float(np.nanmax(loops.misses)) if loops is not None else 0.0,

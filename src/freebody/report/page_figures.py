@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 
+TOTAL = "total"
 MEASURED = "measured"
 """The name of a measured curve."""
 _TOGETHER = 8  # curves that one picture holds
@@ -92,11 +93,11 @@ def torques(study: Study) -> Iterator[CaptionedDrawing]:
     for name in study.model.driven_names:
         k = study.model.velocity_names.index(name)
         curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
-        there = _SEEN * np.abs(curves["total"]).max()
+        there = _SEEN * np.abs(curves[TOTAL]).max()
         curves = {
             words: curve
             for words, curve in curves.items()
-            if words == "total" or np.nanmax(np.abs(curve), initial=0.0) > there
+            if words == TOTAL or np.nanmax(np.abs(curve), initial=0.0) > there
         }
         bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
         yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True, colours=colours)
@@ -110,7 +111,7 @@ def parts(study: Study) -> dict[str, str]:
         for x, words in PARTS.items()
         if x in study.data and np.abs(study.data[x].values).max() > 0
     }
-    return {"tau": "total", **there}
+    return {"tau": TOTAL, **there}
 
 
 def powers(study: Study) -> Iterator[CaptionedDrawing]:

@@ -586,7 +586,7 @@ def test_every_page_has_the_policy_and_no_name_is_markup(arm: fb.Study):
     for name, text in pages(arm).items():
         parsed = Tags(text)
         scripts = re.findall("<script>(.*?)</script>", text, re.DOTALL)
-        assert len(scripts) == (name in LIVING or name == "study"), name
+        assert len(scripts) == (name in (*LIVING, "study")), name
         inflated = [page_script(text)] if name in LIVING else []
         assert parsed.policy == allowing([*scripts, *inflated]), name
         assert parsed.before == ["html", "head", "meta"], name

@@ -10,12 +10,14 @@ function made(name, attributes, parent) {
 
 // A plot on the page: a vertical line with a dot on each curve, and what they are there.
 class Reading {
-  constructor(figure, plot, columns) {
-    Object.assign(this, {figure, plot, columns, svg: figure.querySelector("svg"), seen: false});
+  constructor(figure, plot, columns, times) {
+    Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
     this.line = made("line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]}, this.svg);
     this.dots = plot.curves.map(({colour}) => made("circle", {class: `spot${colour} f${colour}`, r: 3}, this.svg));
     this.text = document.createElement("p");
     this.text.className = "reading";
+    const [left, top, right, bottom] = plot.page, box = {x: left, y: top, width: right - left, height: bottom - top, viewBox: `${left} ${top} ${right - left} ${bottom - top}`};
+    this.within = made("svg", box, this.svg);
     this.values = plot.curves.map(({name, colour}) => {
       const item = document.createElement("span"), mark = made("svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}, item), value = document.createElement("b");
       made("circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4}, mark);
@@ -23,6 +25,9 @@ class Reading {
       this.text.append(item, " ");
       return value;
     });
+    this.beyond = document.createElement("span");
+    this.text.append(this.beyond);
+    this.again();
     this.svg.after(this.text);
   }
   place(t, value) {
@@ -37,9 +42,25 @@ class Reading {
     this.columns.forEach((column, i) => {
       const value = column.values[k], [, y] = this.place(t, value);
       this.dots[i].setAttribute("cx", x);
-      this.dots[i].setAttribute("cy", Number.isFinite(y) ? y : -99);
+      this.dots[i].setAttribute("cy", y >= this.plot.page[1] && y <= this.plot.page[3] ? y : -99);
       this.values[i].textContent = `${onCurve(value, column.largest)} ${unit}`;
     });
+  }
+  // Draws the curves that are computed anew, as far as they lie in the plot; the others are as given.
+  again() {
+    const [low, high] = this.plot.range, left = [];
+    this.within.replaceChildren();
+    this.columns.forEach((column, i) => {
+      this.values[i].parentElement.classList.toggle("anew", Boolean(column.anew));
+      if (!column.anew) return;
+      const points = Array.from(this.times, (t, k) => this.place(t, column.values[k]).map((x) => x.toFixed(1)).join(" "));
+      made("path", {class: "again", d: `M${points.join("L")}`}, this.within);
+      const ends = [Math.min(...column.values), Math.max(...column.values)];
+      if (ends[0] < low || ends[1] > high) left.push(...ends);
+    });
+    const [least, most] = left.map((x) => significant(x));
+    this.beyond.textContent = left.length ? `The dashed curve leaves the plot: ${least} to ${most} ${this.plot.unit}` : "";
+    this.beyond.className = "anew beyond";
   }
   // The time at a place of the window.
   time(clientX) {
@@ -60,7 +81,7 @@ class Player {
     this.stage.path = this.tips || [];
     this.readings = [...document.querySelectorAll("[data-plot]")].map((figure) => {
       const plot = study.plots[Number(figure.dataset.plot)];
-      return new Reading(figure, plot, plot.curves.map(({column}) => columns[column]));
+      return new Reading(figure, plot, plot.curves.map(({column}) => columns[column]), t);
     });
     const seen = new IntersectionObserver((entries) => {
       for (const {target, isIntersecting} of entries) this.readings.find(({figure}) => figure === target).seen = isIntersecting;
@@ -112,6 +133,7 @@ class Player {
   begin() { this.began = [performance.now(), this.t[this.k]]; }
   play() {
     this.playing = true;
+    this.stage.hurry(true);
     if (this.k === this.t.length - 1) this.k = 0;
     this.begin();
     find("play").textContent = "Pause";
@@ -131,6 +153,7 @@ class Player {
   }
   pause() {
     this.playing = false;
+    this.stage.hurry(false);
     find("play").textContent = "Play";
   }
 }
@@ -141,9 +164,10 @@ let player;
   const [t, q, values] = [await numbers("TIMES", Float64Array), await numbers("POSITIONS", Float64Array), await numbers("VALUES", Float32Array)];
   const count = t.length, columns = Array.from({length: values.length / count}, (_, k) => {
     const own = values.subarray(k * count, (k + 1) * count);
-    return {values: own, largest: own.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0)};
+    return {values: own, given: own, anew: false, largest: own.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0)};
   });
   document.documentElement.classList.add("moves");
   for (const hidden of document.querySelectorAll(".moving[hidden]")) hidden.hidden = false;
   player = new Player(study, t, q, columns);
+  if (study.what) player.what = new WhatIf(player, study, await numbers("RATES", Float64Array), await numbers("EXPECTED", Float64Array));
 })();
