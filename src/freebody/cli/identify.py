@@ -50,6 +50,17 @@ def identify(
             "own, if it has some.",
         ),
     ] = None,
+    loaded: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LOG",
+            help="A log of currents with a load of known mass at the tip, which tells the scale of "
+            "unknown gains.",
+        ),
+    ] = None,
+    load: Annotated[
+        float | None, typer.Option(metavar="KG", help="The mass of the load of --loaded, kg.")
+    ] = None,
     rotors: Annotated[
         bool, typer.Option(help="Whether the drives' rotors have unknown inertias.")
     ] = True,
@@ -82,7 +93,7 @@ def identify(
     predicts its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
-    made from. 1: it does not, there are none, or the scale of its masses is not told. 2: bad input.
+    made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth. 2: bad input.
     """
     from freebody.identification.collisions import detect_collisions
     from freebody.identification.identify import identify as identified
@@ -94,9 +105,10 @@ def identify(
         model = robot.load()
         used = [_log(text, model, layout, 0) for text in logs]
         unseen = [_log(text, model, layout, 1) for text in validate or ()]
-        loaded = [_log(text, model, layout, 2) for text in payload_of or ()]
+        carrying = [_log(text, model, layout, 2) for text in payload_of or ()]
+        weighed = [_log(text, model, layout, 4) for text in loaded or ()]
         searched = None if collisions_in is None else _log(collisions_in, model, layout, 3)
-    given: dict[str, Any] = {}
+    given: dict[str, Any] = {"loaded": weighed, "load": load}
     if friction is not None:
         given["friction"] = [name.strip() for name in friction.split(",")]
     if masses is not None:
@@ -104,10 +116,10 @@ def identify(
     with terminal.progress("identify"):
         found = identified(model, used, validate=unseen, rotors=rotors, **given)
         known = {"gains": found.gains if found.scale_known else None}
-        load = pushes = None
-        if loaded:
+        found_load = pushes = None
+        if carrying:
             laws = {k: x for k, x in given.items() if k == "friction"}
-            load = identify_payload(found.model, loaded, used, **known, **laws)
+            found_load = identify_payload(found.model, carrying, used, **known, **laws)
         if searched is not None:
             pushes = detect_collisions(found.model, searched, gains=found.gains)
     console = terminal.out()
@@ -116,16 +128,22 @@ def identify(
     terminal.table(found._table())
     for notice in found.notices:
         console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
-    for more in (load, pushes):
+    for more in (found_load, pushes):
         if more is not None:
             console.print(more.verdict, style="bold", soft_wrap=True, markup=False)
             terminal.table(more._table())
             for notice in more.notices:
                 console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
     if out is not None:
-        names = [*logs, *(validate or ()), *(payload_of or ()), collisions_in or ""]
-        page = partial(identification_page, found, load, pushes)
-        for path in write_results(found, out, [x for x in names if x], page, load, pushes):
+        names = [
+            *logs,
+            *(validate or ()),
+            *(loaded or ()),
+            *(payload_of or ()),
+            collisions_in or "",
+        ]
+        page = partial(identification_page, found, found_load, pushes)
+        for path in write_results(found, out, [x for x in names if x], page, found_load, pushes):
             console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
     console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
     if not found.trusted:
