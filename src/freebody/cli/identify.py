@@ -93,7 +93,8 @@ def identify(
     predicts its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
-    made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth. 2: bad input.
+    made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth.
+    2: bad input.
     """
     from freebody.identification.collisions import detect_collisions
     from freebody.identification.identify import identify as identified
