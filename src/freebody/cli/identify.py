@@ -50,6 +50,17 @@ def identify(
             "own, if it has some.",
         ),
     ] = None,
+    loaded: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LOG",
+            help="A log of currents with a load of known mass at the tip, which tells the scale of "
+            "unknown gains.",
+        ),
+    ] = None,
+    load: Annotated[
+        float | None, typer.Option(metavar="KG", help="The mass of the load of --loaded, kg.")
+    ] = None,
     rotors: Annotated[
         bool, typer.Option(help="Whether the drives' rotors have unknown inertias.")
     ] = True,
@@ -82,7 +93,8 @@ def identify(
     predicts its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
-    made from. 1: it does not, there are none, or the scale of its masses is not told. 2: bad input.
+    made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth.
+    2: bad input.
     """
     from freebody.identification.collisions import detect_collisions
     from freebody.identification.identify import identify as identified
@@ -93,31 +105,33 @@ def identify(
     with terminal.progress("reading"):
         model = robot.load()
         searched = () if collisions_in is None else (collisions_in,)
-        used, unseen, loaded, pushed = (
+        used, unseen, carrying, pushed, weighed = (
             [_log(text, model, layout, seed) for text in given or ()]
-            for seed, given in enumerate((logs, validate, payload_of, searched))
+            for seed, given in enumerate((logs, validate, payload_of, searched, loaded))
         )
     laws: dict[str, Any] = (
         {} if friction is None else {"friction": [x.strip() for x in friction.split(",")]}
     )
     held: dict[str, Any] = {} if masses is None else {"prior": numbers.values("--masses", masses)}
     with terminal.progress("identify"):
-        found = identified(model, used, validate=unseen, rotors=rotors, **laws, **held)
+        found = identified(
+            model, used, validate=unseen, rotors=rotors, loaded=weighed, load=load, **laws, **held
+        )
         known: dict[str, Any] = {"gains": found.gains if found.scale_known else None}
-        load = pushes = None
-        if loaded:
-            load = identify_payload(found.model, loaded, used, **known, **laws)
+        carried = pushes = None
+        if carrying:
+            carried = identify_payload(found.model, carrying, used, **known, **laws)
         for log in pushed:
             pushes = detect_collisions(found.model, log, gains=found.gains)
     console = terminal.out()
     _told(found, "bold green" if found.trusted else "bold red")
-    for more in (load, pushes):
+    for more in (carried, pushes):
         if more is not None:
             _told(more, "bold")
     if out is not None:
-        names = [*logs, *(validate or ()), *(payload_of or ()), *searched]
-        page = partial(identification_page, found, load, pushes)
-        for path in write_results(found, out, names, page, load, pushes):
+        names = [*logs, *(validate or ()), *(loaded or ()), *(payload_of or ()), *searched]
+        page = partial(identification_page, found, carried, pushes)
+        for path in write_results(found, out, names, page, carried, pushes):
             console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
     console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
     if not found.trusted:

@@ -15,6 +15,8 @@ from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.number_text import weighted_sum
 
+_KNOWN = 0.1
+"""Part by which the scale of torques may be off, where it counts as known."""
 _ROUNDING = 1e-9
 """Part of the largest weight of a sum below which a weight is rounding."""
 
@@ -23,6 +25,11 @@ if TYPE_CHECKING:
     from freebody.identification.evidence import LogFit
 
 IdentificationOutcome = Literal["predicts", "fails", "not validated"]
+
+
+def is_known(scale: tuple[float, float]) -> bool:
+    """Whether an interval of a factor leaves it open by a tenth at most."""
+    return scale[0] >= 1.0 / (1.0 + _KNOWN) and scale[1] <= 1.0 + _KNOWN
 
 
 @dataclass(frozen=True)
@@ -70,7 +77,9 @@ class Identification(Tabled, ByValue):
     (b, p), of which inertial parameters π the base parameters are made. inertial_names: of π.
     prior_alone: those of them that the logs do not determine, so that they are the prior's.
     untold: base parameters that the motion does not tell. gains: of currents, N m/A (N/A), (n,), or
-    None. scale_known: whether masses are known in kg. prior_weight: how much the prior counts.
+    None. scale: factors by which these, masses and frictions may all be smaller and larger (95 %),
+    (1, 1) where torques are logged, (0, inf) where nothing tells it. prior_weight: how much the
+    prior counts.
     """
 
     model: Model
@@ -81,7 +90,7 @@ class Identification(Tabled, ByValue):
     prior_alone: tuple[str, ...]
     untold: tuple[str, ...]
     gains: Array | None
-    scale_known: bool
+    scale: tuple[float, float]
     prior_weight: float
     outcome: IdentificationOutcome
     """Whether the model predicts logs that it has not seen about as well as those it was made
@@ -95,6 +104,11 @@ class Identification(Tabled, ByValue):
     fits: tuple[LogFit, ...] = ()
     """The logs beside what the model predicts, those to validate with last."""
     _aside = ("verdict", "notices", "drift", "next", "fits")
+
+    @property
+    def scale_known(self) -> bool:
+        """Whether torques and masses are known in N m and kg, to a tenth."""
+        return is_known(self.scale)
 
     @property
     def trusted(self) -> bool:

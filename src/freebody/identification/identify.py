@@ -33,6 +33,7 @@ from freebody.identification.identification import (
     Identification,
     IdentifiedParameter,
     JointFit,
+    is_known,
 )
 from freebody.identification.logs.log import Log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
@@ -44,8 +45,10 @@ from freebody.identification.regression import (
     regressed,
     suited,
 )
+from freebody.identification.torque_scale import TorqueScale, scale_by_load
 from freebody.identification.verdict import (
     QUANTILE,
+    ToldScale,
     definiteness,
     mass_doubts,
     notices_of,
@@ -69,6 +72,8 @@ def identify(
     logs: Logs,
     *,
     validate: Logs = (),
+    loaded: Logs = (),
+    load: float | None = None,
     friction: Sequence[str] | Mapping[str, Any] = USUAL_LAWS,
     rotors: bool = True,
     prior: Model | Mapping[str, float] | Sequence[float] | None = None,
@@ -95,6 +100,9 @@ def identify(
         are then estimated.
     validate
         Logs that are predicted, and not used for anything else.
+    loaded, load
+        Logs of currents with a load at the tip, and its mass (kg), which tells the scale of gains;
+        they are not used for anything else, and its centre and inertia need not be known.
     friction
         Names of laws, or {name: {number: value}} with the numbers that a law needs besides its
         strength: {"coulomb": {}, "stribeck": {"stribeck_speed": 0.1}}.
@@ -116,25 +124,29 @@ def identify(
     Raises
     ------
     FreebodyError
-        Logs without torques and currents, too short, or in which a joint does not move.
+        Logs without torques and currents, too short, or in which a joint does not move; logs with a
+        load that do not show it.
     PassiveJointError, UnknownNameError
     """
     require_model("identify", model)
     used = read_logs("identify", "logs", logs, model)
     unseen = read_logs("identify", "validate", validate, model)
+    carrying = read_logs("identify", "loaded", loaded, model)
+    _require_load(carrying, load)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
     key = f"_regression_columns {laws} {rotors}"
     columns = kept(model, key, regression_columns, model, laws, rotors)
     held = prior_of(model, prior)
-    for log in (*used, *unseen):
+    for log in (*used, *unseen, *carrying):
         require_joints("identify", log, columns.joints)
     found, first = _solved(model, columns, used, held, cutoff, smooth)
     drift = friction_drift(found, first)
     columns, by_current = found.columns, found.currents
-    scaled = held.source != "geometry" or not by_current
-    fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
+    known = _scale(model, found, first, (used, carrying), load, held, cutoff)
+    fit = fit_physical(model, found, first, held, known)
+    told = ToldScale(fit.scale.interval(QUANTILE), load)
     if columns.by_load:
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
@@ -143,11 +155,15 @@ def identify(
     base = with_any_friction(found, first)
     joints = _joint_fits(found, first, fit, gains, checked, base.accident)
     parameters = _parameters(model, columns, first, base, fit, joints)
-    made = robot(model, columns, fit, mass_doubts(held, scaled))
+    made = robot(model, columns, fit, mass_doubts(held, told))
     outcome = outcome_of(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
-    notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
-    notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
+    notices = [
+        f"{log.source or 'log'}: {text}"
+        for log in (*used, *unseen, *carrying)
+        for text in log.notices
+    ]
+    notices += notices_of(held, told, joints, untold)
     notices.append(definiteness(near_edge(model, fit)))
     notices += drift_notices(drift)
     return Identification(
@@ -159,13 +175,13 @@ def identify(
         _undetermined(columns),
         untold,
         gains,
-        scaled,
+        told.factors,
         fit.weight,
         outcome,
-        verdict_of(outcome, joints, scaled, held),
+        verdict_of(outcome, joints, told, held),
         tuple(notices),
         drift,
-        what_next(parameters, joints, drift, outcome, scaled),
+        what_next(parameters, joints, drift, outcome, is_known(told.factors)),
         (*log_fits(found, fit.values, own, False), *fits),
     )
 
@@ -191,6 +207,39 @@ def _solved(
         columns = replace(columns, smooth=smooth)
     found = equations(columns, logs, given, cutoff)
     return found, regressed(found, of_prior, None if by_current else start)
+
+
+def _require_load(loaded: Sequence[Log], load: float | None) -> None:
+    if bool(loaded) != (load is not None):
+        raise FreebodyError(
+            "identify: loaded= and load= go together: logs with a load at the tip, and its mass in "
+            "kg."
+        )
+    if load is not None and not (np.isfinite(load) and load > 0.0):
+        raise FreebodyError(f"identify: load= is {load!r}; expected its mass, above 0 kg.")
+
+
+def _scale(
+    model: Model,
+    found: LogEquations,
+    first: Regressed,
+    logs: tuple[Sequence[Log], Sequence[Log]],
+    load: float | None,
+    held: Prior,
+    cutoff: float,
+) -> TorqueScale | None:
+    """The scale of the torques, or None where masses held beforehand are to tell it. logs: without
+    and with a load, of that mass."""
+    if load is None:
+        if not found.currents:
+            return TorqueScale(1.0, 0.0)
+        return TorqueScale(1.0, np.inf) if held.source == "geometry" else None
+    if not found.currents:
+        raise FreebodyError(
+            "identify: logs= tell torques, so that no load needs to tell their scale; leave out "
+            "loaded= and load=, or use fb.identify_payload, which finds the load."
+        )
+    return scale_by_load(model, found.columns, *logs, load, first, cutoff)
 
 
 def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
@@ -268,7 +317,7 @@ def _joint_fits(
         fits.append(
             JointFit(
                 found.columns.joints[j],
-                fit.scale * _rms(y),
+                fit.scale.factor * _rms(y),
                 _rms(residual) / _rms(y),
                 _rms(known[j] * rows.y - totals[j]) / (known[j] * _rms(rows.y)),
                 checked[j],
@@ -288,7 +337,7 @@ def _parameters(
     joints: Sequence[JointFit],
 ) -> tuple[IdentifiedParameter, ...]:
     """All unknowns with their intervals, those of bodies whatever the friction."""
-    scale = np.full(len(first.values), fit.scale)
+    scale = np.full(len(first.values), fit.scale.factor)
     for row in columns.rows:
         if row.load is not None:
             scale[row.load] = 1.0
@@ -297,6 +346,7 @@ def _parameters(
     variance[: columns.base] = np.diag(base.covariance)
     half = QUANTILE * scale * np.sqrt(np.maximum(variance, 0.0))
     half[np.concatenate([base.untold, first.untold[columns.base :]])] = np.nan
+    lower, upper = _with_scale(value, half, fit.scale, [x.load for x in columns.rows])
     kinds = _kinds(model, columns)
     largest = {
         kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)
@@ -307,23 +357,37 @@ def _parameters(
     for k, name in enumerate(columns.names):
         is_base, joint = k < columns.base, name.rsplit(".", 1)[0]
         told = bool(half[k] <= max(abs(value[k]), _SMALL * largest[kinds[k]]))
-        width, why = half[k], ""
+        why = ""
         if not is_base and not fits[joint]:
-            width, why = np.nan, "withdrawn: the law of friction does not fit"
+            lower[k] = upper[k] = np.nan
+            why = "withdrawn: the law of friction does not fit"
         made.append(
             IdentifiedParameter(
                 name,
                 "inertial" if is_base else "friction",
                 kinds[k][1],
                 float(value[k]),
-                float(value[k] - width),
-                float(value[k] + width),
+                float(lower[k]),
+                float(upper[k]),
                 float(fit.values[k]),
                 told,
                 why,
             )
         )
     return tuple(made)
+
+
+def _with_scale(
+    value: Array, half: Array, scale: TorqueScale, losses: Sequence[int | None]
+) -> tuple[Array, Array]:
+    """Ends of intervals about values, wider by what is not known of the scale, if it is told at
+    all; losses, which are parts of torques, have none."""
+    least, most = scale.interval(QUANTILE) if np.isfinite(scale.unsure) else (1.0, 1.0)
+    ends = np.array([least * value, most * value])
+    of_losses = [k for k in losses if k is not None]
+    ends[:, of_losses] = value[of_losses]
+    below, above = value - ends.min(axis=0), ends.max(axis=0) - value
+    return value - np.hypot(half, below), value + np.hypot(half, above)
 
 
 def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:

@@ -1,17 +1,11 @@
-"""`fb.identify_payload`: what an arm carries, from its logs with the load and without.
-
-A load on a link adds to the base parameters β what its own mass, first moment and inertia π add,
-β + K π. The logs of each kind give β with friction of their own, so that a drive that has warmed up
-in between does not pass for a mass; their difference gives π (Khalil, Gautier, Lemoine 2007).
-"""
+"""`fb.identify_payload`: what an arm carries, from its logs with the load and without."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from freebody.arrays import Array
@@ -29,7 +23,6 @@ from freebody.identification.given_logs import (
     Logs,
     read_logs,
     require_joints,
-    torques_of,
     with_torques,
 )
 from freebody.identification.identified_payload import (
@@ -40,15 +33,20 @@ from freebody.identification.identified_payload import (
     payload_notices,
     payload_verdict,
 )
+from freebody.identification.load_estimates import (
+    LoadEstimate,
+    between,
+    evidence_of,
+    load_estimate,
+    load_regression,
+    on_frame,
+)
 from freebody.identification.logs.log import Log
 from freebody.identification.priors import of_moments
-from freebody.identification.regression import LogEquations, Regressed, equations, regressed, suited
 from freebody.identification.verdict import QUANTILE
 from freebody.lazy import kept
-from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.spatial import of_dimension
 from freebody.trees.regressors import inertial_parameters
 
 _UNLIKELY = 1e-4
@@ -56,31 +54,6 @@ _UNLIKELY = 1e-4
 accident."""
 _PART_OF_NOISE = 0.05
 """Part of the number of the load's parameters by which chi2 may grow for the prior."""
-_NOTHING = 1e-7
-"""Part of the largest sensitivity (per kg, kg m, kg m²) below which a parameter has no effect."""
-_RANK, _PART = 1e-10, 1e-6
-"""Part of the largest eigenvalue below which a combination of the load's parameters is told by
-nothing, and part of a parameter (squared) in one, above which it is not told either."""
-
-
-class _Evidence(NamedTuple):
-    """Evidence of logs on base parameters, whatever friction was: an estimate (b,) and its
-    information (b, b), the inverse of its covariance."""
-
-    base: Array
-    information: Array
-
-
-class _FoundLoad(NamedTuple):
-    """An unconstrained estimate of a load's parameters π (k,), its information and covariance,
-    which of them are untold, and how far the data are from it: chi2 with its degrees of freedom."""
-
-    estimate: Array
-    information: Array
-    covariance: Array
-    untold: NDArray[np.bool_]
-    chi2: float
-    freedom: int
 
 
 def identify_payload(
@@ -146,36 +119,17 @@ def identify_payload(
     bare = [] if empty is None else logs_of("empty", empty)
     if not carried or (empty is not None and not bare):
         raise FreebodyError(f"{function}: loaded= and empty= need at least one log each.")
-    combine = columns.matrix @ _on_frame(model, frame, columns)
-    with_load = _regression(model, columns, carried, cutoff)
-    evidence = _evidence(*with_load)
+    combine = columns.matrix @ on_frame(model, frame, columns)
+    with_load = load_regression(model, columns, carried, cutoff)
+    evidence = evidence_of(*with_load)
     changes: tuple[FrictionChange, ...] = ()
     if bare:
-        without = _regression(model, columns, bare, cutoff)
+        without = load_regression(model, columns, bare, cutoff)
         changes = friction_change(*without, *with_load)
-        of_arm = _evidence(*without)
-        both = np.linalg.pinv(of_arm.information + evidence.information, hermitian=True)
-        shared = of_arm.information @ both @ evidence.information
-        load = _load(combine, evidence.base - of_arm.base, 0.5 * (shared + shared.T))
+        load = load_estimate(combine, *between(evidence_of(*without), evidence))
     else:
-        load = _load(combine, evidence.base - _known(model, columns), evidence.information)
+        load = load_estimate(combine, evidence.base - _known(model, columns), evidence.information)
     return _result(model, frame, name, load, changes, [*carried, *bare], not bare)
-
-
-def _regression(
-    model: Model, columns: Columns, logs: Sequence[Log], cutoff: float
-) -> tuple[LogEquations, Regressed]:
-    torques = [x for x in (torques_of(model, log) for log in logs) if x is not None]
-    columns, start = suited(columns, logs, torques, cutoff, None)
-    found = equations(columns, logs, torques, cutoff)
-    return found, regressed(found, None, start)
-
-
-def _evidence(found: LogEquations, x: Regressed) -> _Evidence:
-    b, information = found.columns.base, x.information
-    across = information[:b, b:]
-    left = across @ np.linalg.pinv(information[b:, b:], hermitian=True) @ across.T
-    return _Evidence(x.values[:b], information[:b, :b] - left)
 
 
 def _known(model: Model, columns: Columns) -> Array:
@@ -188,51 +142,6 @@ def _known(model: Model, columns: Columns) -> Array:
             f"or a model that fb.identify has found."
         )
     return columns.matrix @ known
-
-
-def _on_frame(model: Model, frame: str | None, columns: Columns) -> Array:
-    """(p, k): by how much a load's parameters, in the axes of a frame, change those of the arm;
-    from particles, whose own parameters are known."""
-    at, size = model.frame(frame), len(body_parameters(of_dimension(model.dim)))
-    if at.body < 0:
-        raise FreebodyError(
-            f"identify_payload: no joint moves the frame {at.name!r}; name one of a link that "
-            f"carries the load, frame=."
-        )
-    bare = model.without("friction", "rotors", "springs")
-    before: dict[str, Any] = dict(inertial_parameters(bare))
-    places = np.random.default_rng(0).uniform(-1.0, 1.0, (size, model.dim))
-    own = np.array([of_moments(1.0, c, np.outer(c, c)) for c in places])
-    added = []
-    for c in places:
-        carrying = bare.with_payload(1.0, com=c, frame=at.name)
-        after: dict[str, Any] = dict(inertial_parameters(carrying))
-        added.append(
-            [float(after.get(x, 0.0) - before.get(x, 0.0)) for x in columns.inertial_names]
-        )
-    return np.asarray(np.linalg.solve(own, np.array(added)).T, dtype=float)
-
-
-def _load(combine: Array, difference: Array, information: Array) -> _FoundLoad:
-    """The load that explains a difference of base parameters best."""
-    M = combine.T @ information @ combine
-    size = np.sqrt(np.maximum(np.diag(M), 0.0))
-    size = np.where(size > _NOTHING * size.max(), size, np.inf)
-    eigenvalues, vectors = np.linalg.eigh(M / np.outer(size, size))
-    told = eigenvalues > _RANK * eigenvalues[-1]
-    ways = vectors[:, told] / size[:, None]
-    covariance = (ways / eigenvalues[told]) @ ways.T
-    estimate = covariance @ (combine.T @ information @ difference)
-    gap = combine @ estimate - difference
-    untold = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
-    return _FoundLoad(
-        estimate,
-        M,
-        covariance,
-        untold,
-        float(gap @ information @ gap),
-        max(len(combine) - int(told.sum()), 1),
-    )
 
 
 def _numbers(pi: Array) -> Array:
@@ -261,7 +170,7 @@ def _ball(mass: float, centre: Array) -> Array:
     return of_moments(mass, mass * centre, mass * (np.outer(centre, centre) + spread))
 
 
-def _physical(load: _FoundLoad, told: bool, unsure: float) -> Array:
+def _physical(load: LoadEstimate, told: bool, unsure: float) -> Array:
     """The parameters π (k,) of the body nearest to an estimate."""
     dim = 2 if len(load.estimate) == 4 else 3
     mass = float(load.estimate[0]) if told else max(unsure, 1e-3)
@@ -279,7 +188,7 @@ def _result(
     model: Model,
     frame: str | None,
     name: str,
-    load: _FoundLoad,
+    load: LoadEstimate,
     changes: tuple[FrictionChange, ...],
     logs: Sequence[Log],
     known: bool,
@@ -312,7 +221,7 @@ def _tensor(pi: Array) -> Any:
 
 
 def _listed(
-    load: _FoundLoad, pi: Array, wider: float, told: bool, dim: int
+    load: LoadEstimate, pi: Array, wider: float, told: bool, dim: int
 ) -> tuple[PayloadNumber, ...]:
     """The load's numbers; without a mass that is told neither a centre nor an inertia is."""
     axes = "xyz"[:dim]

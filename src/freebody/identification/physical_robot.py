@@ -21,6 +21,7 @@ from freebody.identification.consistency import (
 )
 from freebody.identification.priors import Prior
 from freebody.identification.regression import LogEquations, Regressed
+from freebody.identification.torque_scale import TorqueScale
 from freebody.model.doubts import ESTIMATED, Doubt
 from freebody.model.drives import LAWS
 from freebody.model.inertial_parameters import body_parameters
@@ -46,27 +47,29 @@ the distance to which it is found."""
 class PhysicalFit:
     """The physical robot of a regression. values: of the unknowns. inertial: (p,) its parameters π,
     of bodies and then reflected inertias of rotors. friction: (n, laws). weight: of the prior.
-    scale: by which gains and all that they multiply grew so that masses suit the prior; unsure: the
-    standard deviation of its logarithm, as the prior tells it."""
+    scale: by which gains and all that they multiply grew."""
 
     values: Array
     inertial: Array
     friction: Array
     weight: float
-    scale: float
-    unsure: float
+    scale: TorqueScale
 
 
 def fit_physical(
-    model: Model, found: LogEquations, regressed: Regressed, prior: Prior, scale: float | None
+    model: Model,
+    found: LogEquations,
+    regressed: Regressed,
+    prior: Prior,
+    known: TorqueScale | None,
 ) -> PhysicalFit:
-    """The physical robot nearest to a regression. scale: of the torques, or None where it is to be
-    found from the prior's masses."""
+    """The physical robot nearest to a regression. known: the scale of the torques, or None where it
+    is to be found from the prior's masses."""
     columns, information = found.columns, regressed.information
     size, n = len(columns.inertial_names), len(columns.joints)
     first = base_scale(columns, regressed, prior)
-    if prior.source == "geometry":
-        prior, first = Prior(prior.bodies / first, prior.source), 1.0
+    if prior.source == "geometry" and known is not None:
+        prior = Prior(prior.bodies * known.factor / first, prior.source)
     at = _first_products(columns, regressed.values)
 
     def problem(scale: float) -> tuple[Array, Array, Array, Physical]:
@@ -76,10 +79,10 @@ def fit_physical(
         own = information / np.outer(factors, factors)
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
-    unsure, shaped = 0.0, prior.source == "masses"
-    if scale is None:
-        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x)), shaped)[0])
-        scale *= first
+    shaped = prior.source == "masses"
+    if known is None:
+        known = _found_scale(lambda x: closest(*problem(first * np.exp(x)), shaped)[0], first)
+    scale = known.factor
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
         at = _products(columns, fitted.x) / [1.0, scale]
@@ -90,12 +93,11 @@ def fit_physical(
         if row.lost_rotor is not None:
             values[row.lost_rotor] = loss * rotor
     friction = fitted.x[size:].reshape(n, len(columns.friction))
-    return PhysicalFit(values, fitted.x[:size], friction, fitted.weight, scale, unsure)
+    return PhysicalFit(values, fitted.x[:size], friction, fitted.weight, known)
 
 
-def _found_scale(misfit: Callable[[float], float]) -> tuple[float, float]:
-    """The factor whose logarithm has the least misfit, and the standard deviation of this
-    logarithm."""
+def _found_scale(misfit: Callable[[float], float], first: float) -> TorqueScale:
+    """The scale with the least misfit, which is of the logarithm of its ratio to the first."""
     options = {"xatol": _SCALE_TOLD}
     found: Any = minimize_scalar(
         misfit, bounds=(-_SCALES, _SCALES), method="bounded", options=options
@@ -103,7 +105,7 @@ def _found_scale(misfit: Callable[[float], float]) -> tuple[float, float]:
     best = float(found.x)
     around = [misfit(best + x) for x in (-_STEP, 0.0, _STEP)]
     curvature = (around[0] - 2.0 * around[1] + around[2]) / (_STEP) ** 2
-    return float(np.exp(best)), float(1.0 / np.sqrt(max(curvature, 1.0)))
+    return TorqueScale(first * float(np.exp(best)), float(1.0 / np.sqrt(max(curvature, 1.0))))
 
 
 def _combine(columns: Columns, at: Array) -> tuple[Array, Array]:
@@ -140,13 +142,12 @@ def _first_products(columns: Columns, values: Array) -> Array:
 
 
 def base_scale(columns: Columns, regressed: Regressed, prior: Prior) -> float:
-    """The factor by which estimated base parameters suit the prior's best, above 0."""
+    """The factor by which the torques of estimated base parameters are as large as the prior's: of
+    what these have in common a factor would be endless where bodies lie on the other side."""
     b, bodies = columns.base, prior.bodies.ravel()
     held = columns.matrix[:, : len(bodies)] @ bodies
-    weight = regressed.information[:b, :b]
-    along = held @ weight @ regressed.values[:b]
-    found = (held @ weight @ held) / along if along > 0.0 else 1.0
-    return float(found)
+    weight, found = regressed.information[:b, :b], regressed.values[:b]
+    return float(np.sqrt((held @ weight @ held) / max(found @ weight @ found, 1e-300)))
 
 
 def _scaled(columns: Columns, values: Array, scale: float) -> Array:

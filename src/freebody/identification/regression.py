@@ -125,7 +125,8 @@ class Regressed(NamedTuple):
     counted. covariance: (unknowns, unknowns) of the values. spread: (n,) standard deviation of each
     joint's residual. inflation: (n,) by which its samples' dependence raises variances. residuals:
     of each joint's rows, with the weights that make it robust. untold: which unknowns no equation
-    tells. gains: (n,) of currents, up to a common factor, or 1; first_gains: those held at first.
+    tells. gains: (n,) of currents, up to a common factor, or 1; first_gains: those held at first;
+    of_gains: (n, n) covariance of their logarithms, whose sum is held, (0, 0) of torques.
     """
 
     values: Array
@@ -138,6 +139,7 @@ class Regressed(NamedTuple):
     untold: NDArray[np.bool_]
     gains: Array
     first_gains: Array
+    of_gains: Array
 
 
 def equations(
@@ -252,6 +254,7 @@ def regressed(
         untold[:size],
         gains,
         first,
+        covariance[size:, size:],
     )
 
 

@@ -89,6 +89,7 @@ def as_data(found: Identification) -> dict[str, Any]:
             "verdict": found.verdict,
             "outcome": found.outcome,
             "scale_known": found.scale_known,
+            "scale": list(found.scale),
             "notices": list(found.notices),
             "joints": [asdict(x) for x in found.joints],
             "gains": found.gains,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
-from freebody.arrays import Array
-from freebody.identification.identification import IdentificationOutcome, JointFit
+from freebody.identification.identification import IdentificationOutcome, JointFit, is_known
 from freebody.identification.priors import Prior
 from freebody.outputs.display import counted
 
@@ -17,6 +17,20 @@ _WORSE, _POINTS = 1.5, 0.01
 """Factor, and part of the torque besides, by which unseen logs may be predicted worse."""
 
 
+class ToldScale(NamedTuple):
+    """The interval of 95 % of the factor that torques, masses and frictions have in common, and the
+    mass (kg) of the load that told it, if one did."""
+
+    factors: tuple[float, float]
+    load: float | None
+
+    @property
+    def percent(self) -> str:
+        """The interval as text, from the estimate: -20 … +25 %."""
+        least, most = (100.0 * (x - 1.0) for x in self.factors)
+        return f"{least:+.2g} … {most:+.2g} %".replace("-", "−")
+
+
 def outcome_of(joints: Sequence[JointFit]) -> IdentificationOutcome:
     """Whether the model predicts what it has not seen about as well as what it was made from."""
     if joints[0].validation is None:
@@ -25,7 +39,7 @@ def outcome_of(joints: Sequence[JointFit]) -> IdentificationOutcome:
     return "fails" if worse else "predicts"
 
 
-def verdict_of(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior) -> str:
+def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held: Prior) -> str:
     """The verdict in one sentence, with what it rests on."""
     worst = max(joints, key=lambda x: x.model if x.validation is None else x.validation)
     if outcome == "not validated":
@@ -40,8 +54,10 @@ def verdict_of(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Pri
             f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
             f"({worst.joint})"
         )
-    if not scaled:
+    if scale.factors[0] == 0.0:
         return f"{said}; the scale of torques and masses is not told."
+    if not is_known(scale.factors):
+        return f"{said}; the scale of torques and masses is told to {scale.percent} alone."
     if held.source == "geometry":
         return f"{said}; base parameters and torques are the logs', single masses are not told."
     source = "the model's" if held.source == "model" else "the given ones"
@@ -68,38 +84,45 @@ def definiteness(thin: Sequence[str]) -> str:
     )
 
 
-def mass_doubts(held: Prior, scaled: bool) -> list[str]:
+def mass_doubts(held: Prior, scale: ToldScale) -> list[str]:
     """Doubts on its masses that the model itself carries, wherever it is saved and used."""
+    factor = ""
+    if scale.factors[0] == 0.0:
+        factor = ", and all are right up to one unknown factor"
+    elif not is_known(scale.factors):
+        factor = f", and all are right up to one factor, told to {scale.percent}"
     if held.source == "model":
-        return []
+        return [f"the model is identified from currents{factor}."] if factor else []
     what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
-    scale = "" if scaled else ", and all are right up to one unknown factor"
     return [
         f"the model is identified from logs: torques of its drives follow from them, but single "
-        f"{what} of links are estimated from its geometry{scale}."
+        f"{what} of links are estimated from its geometry{factor}."
     ]
 
 
 def notices_of(
     held: Prior,
-    scaled: bool,
+    scale: ToldScale,
     joints: Sequence[JointFit],
     untold: Sequence[str],
-    gains: Array | None,
-    unsure: float,
 ) -> list[str]:
     """Sentences on what an identification rests on and what it does not tell."""
     found = []
-    if gains is not None and not scaled:
+    if scale.factors[0] == 0.0:
         found.append(
             "The scale is not told: the logs have currents with unknown gains, and no mass is "
-            "known; gains, masses and frictions are right up to one common factor. Give masses "
-            "(prior=), or a torque constant."
+            "known; gains, masses and frictions are right up to one common factor. Give logs "
+            "with a load of known mass (loaded=, load=), masses (prior=), or a torque constant."
         )
-    if gains is not None and scaled:
+    elif scale.factors[1] > 1.0:
+        teller = (
+            "the given masses alone tell"
+            if scale.load is None
+            else (f"the load of {scale.load:g} kg tells")
+        )
         found.append(
-            f"Gains and masses have a common factor that the given masses alone tell, to "
-            f"{100.0 * QUANTILE * unsure:.0f} % at best (95 %)."
+            f"Gains, masses and frictions have a common factor that {teller}, to "
+            f"{scale.percent} (95 %); intervals are wider for it."
         )
     if held.source == "geometry":
         found.append(

@@ -194,10 +194,32 @@ def test_gains_of_currents_are_found_up_to_a_factor_or_with_known_masses():
     assert any(x.startswith("The scale is not told") for x in unknown.notices)
     relative = unknown.gains / gains
     np.testing.assert_allclose(relative / relative.mean(), 1.0, rtol=0.02)
+    assert unknown.scale == (0.0, np.inf)
     known = fb.identify(ARM, used, validate=unseen, friction=FRICTION, prior=model)
-    assert known.trusted
     np.testing.assert_allclose(known.gains, gains, rtol=0.06)
     assert any("that the given masses alone tell" in x for x in known.notices)
+    assert not known.trusted
+    assert "% alone" in known.verdict
+    true = truth(model, known)
+    base = [x for x in known.parameters if x.kind == "inertial"]
+    assert np.mean([x.lower < true[x.name] < x.upper for x in base]) > 0.85
+
+
+def test_a_load_of_known_mass_tells_the_scale_of_gains():
+    rng = np.random.default_rng(103)  # whose bodies lie on the other side of estimated shapes
+    model = with_random_numbers(ARM, rng, FRICTION)
+    gains = np.array([12.0, 9.0, 7.0])
+    empty = log(model, rng, gains=gains)
+    loaded = log(model.with_payload(3.0, com=[0.03, 0.02, 0.05]), rng, gains=gains)
+    found = fb.identify(ARM, empty, friction=FRICTION, loaded=loaded, load=3.0)
+    assert found.scale_known
+    assert found.scale[0] > 0.97
+    np.testing.assert_allclose(found.gains, gains, rtol=0.01)
+    assert any("that the load of 3 kg tells" in x for x in found.notices)
+    with pytest.raises(fb.FreebodyError, match="do not show the load"):
+        fb.identify(ARM, empty, friction=FRICTION, loaded=empty, load=3.0)
+    with pytest.raises(fb.FreebodyError, match="go together"):
+        fb.identify(ARM, empty, load=3.0)
 
 
 def test_gains_from_known_bodies_are_right_on_average_and_from_masses_within_what_is_said():
