@@ -112,7 +112,7 @@ def gain(choices: Points, ahead: Points, known: Points) -> Array:
         times = np.maximum(_times(mass, found.mass), _times(price, found.price))
         np.minimum(needed, np.maximum(times, _times(found.margin, margin)), out=needed)
     most = needed.max(axis=1) - 1.0
-    return np.where(most <= _ROUNDING, 0.0, most)
+    return np.where(most <= 4.0 * _ROUNDING, 0.0, most)
 
 
 def _times(one: Array | float, other: Array | float) -> Array:

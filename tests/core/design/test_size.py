@@ -177,8 +177,8 @@ def test_a_front_that_is_not_complete_is_so_within_its_tolerance():
         least = np.inf
         for joint in reversed(arm.joint_names):
             pool = candidates(found, joint, drives)
-            margin, *pair = pool[min(int(rng.exponential(8.0)), len(pool) - 1)]
-            drives[joint], least = (pair[0], pair[1]), min(least, margin)
+            margin, motor, gear = pool[min(int(rng.exponential(8.0)), len(pool) - 1)]
+            drives[joint], least = (motor, gear), min(least, margin)
         chosen = [part for pair in drives.values() for part in pair]
         mass, cost = sum(part.mass for part in chosen), price(*chosen)
         near = (mine[:, 0] <= within * mass) & (mine[:, 1] <= within * cost)
