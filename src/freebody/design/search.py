@@ -1,9 +1,12 @@
 """The search for drives: pairs of motors and gears for joints that carry each other's drives.
 
 Joints are chosen for from the tip to the base, each behind those whose drives it carries, so that
-its load is known. For one joint all pairs are compared, and the front is exact. For several, the
-search keeps at each joint the best partial choices by every mixture of mass and price and every
-margin of a grid; mass alone, for which the lightest from the tip is the best, is one of them.
+its load is known. For one joint all pairs are compared, and the front is exact. For several, a
+first search keeps at each joint the best partial choices by every mixture of mass and price and
+every margin of a grid; mass alone, for which the lightest from the tip is the best, is one of them.
+A second one goes through all partial choices but those that, by bounds of what the joints behind
+can add, become no better than what is known already; where they are too many, it leaves those that
+could gain least, and tells how much that is.
 
 The share of peak torque, which needs every sample, is first taken at the few samples that were the
 worst of some pair, which is never too much; what is chosen is then looked at everywhere, and where
@@ -20,6 +23,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
+from freebody.design.bounds import Points, best_margins, gain, ranges
 from freebody.design.catalogue import PartCatalogue
 from freebody.design.drive_loads import ChosenDrives, demand_of, refuse_no_gear
 from freebody.design.front import front
@@ -36,7 +40,12 @@ _MIXTURES = (1.0, 0.75, 0.5, 0.25, 0.0)
 _TIE = 1e-6
 """Share of the other one where one alone counts."""
 _SAME = 1e-12
+_WORK = 60_000
+"""Numbers that are computed for all partial choices that one joint is added to."""
 _LEAST = 1e-300
+
+_FEW = 32
+"""Partial choices, fewer than which are not worth their time: bounds alone tell the tolerance."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,6 +151,9 @@ class SizingSearch:
         self.priced = all(np.isfinite(pairs.price).all() for pairs in tables.values())
         self.price = {k: x.price if self.priced else 0.0 * x.mass for k, x in enumerate(self.pairs)}
         self.failure: tuple[str, ...] = ()
+        self.tolerance = 0.0
+        """By how much the mass, the price or the margin of what was found may have to be improved
+        to be as good as every choice that there is."""
         self.worst: list[Index] = [self._first_samples(k) for k in range(len(loads.joints))]
         self.allowed = [
             pairs.allowed(loads.speed[at, k])
@@ -150,10 +162,17 @@ class SizingSearch:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what did not count."""
-        if self.priced:
-            return ()
-        return ("Prices do not count: not every motor and gear of the catalogue has one.",)
+        """Sentences on what did not count, and on what was not compared."""
+        found = []
+        if not self.priced:
+            found.append("Prices do not count: not every motor and gear of the catalogue has one.")
+        if self.tolerance > 0.0:
+            found.append(
+                f"There are too many choices to compare all: one that is not listed could be at "
+                f"most {100.0 * self.tolerance:.2g} % better in mass, price or margin than a "
+                f"listed one that is better in neither of the others."
+            )
+        return tuple(found)
 
     def _first_samples(self, k: int) -> Index:
         """Samples that are the worst of a few pairs far apart, without drives."""
@@ -221,6 +240,87 @@ class SizingSearch:
                 return []
         best = front(*(np.array([getattr(x, aim) for x in found]) for aim in _AIMS))
         return [found[k] for k in best]
+
+    def near_front(self) -> list[PartialChoice]:
+        """All choices of which no other is better in everything; where they are too many, some, and
+        for each other one that is as good within `tolerance`."""
+        known = self.best_choices()
+        while known:
+            self.tolerance = 0.0
+            found = self._better(known)
+            true = [self._is_true(k, one) for one in found for k in self.order]
+            known = [*known, *found]
+            best = _points(known)
+            if all(true):
+                whole = (_rounded(x) for x in (best.mass, best.price, best.margin))
+                return [known[k] for k in front(*whole)]
+            known = known[: len(known) - len(found)]
+        return known
+
+    def _better(self, known: Sequence[PartialChoice]) -> list[PartialChoice]:
+        """Choices that are better in something than those known, their margins at most too
+        large."""
+        ahead, best = self._bounds(), _points(known)
+        whole = float(gain(Points.nothing(), ahead[0], best)[0])
+        if self._width < _FEW:
+            self.tolerance = whole
+        if self.tolerance == whole:
+            return []
+        found = [PartialChoice({}, np.zeros(len(self.order)), 0.0, 0.0, np.inf)]
+        for done, k in enumerate(self.order):
+            self.say(f"front at {self.loads.joints[k].name}", done / len(self.order))
+            found = self._worth(k, found, ahead[done + 1], best)
+        self.tolerance = min(self.tolerance, whole)
+        return found
+
+    def _worth(
+        self, k: int, partials: Sequence[PartialChoice], ahead: Points, known: Points
+    ) -> list[PartialChoice]:
+        """The ways to go on at joint k that may become better than what is known, as many as there
+        is time for: those that may gain most."""
+        offers: list[tuple[float, int, int]] = []
+        margins = [self.margins(k, partial.masses) for partial in partials]
+        for at, (partial, margin) in enumerate(zip(partials, margins, strict=True)):
+            good = np.flatnonzero(margin >= self.margin)
+            reached = Points(
+                partial.mass + self.pairs[k].mass.ravel()[good],
+                partial.price + self.price[k].ravel()[good],
+                np.minimum(partial.margin, margin.ravel()[good]),
+            )
+            gains = gain(reached, ahead, known)
+            offers += [(float(x), at, int(j)) for x, j in zip(gains, good, strict=True) if x > 0.0]
+        offers.sort(key=lambda offer: -offer[0])
+        if len(offers) > self._width:
+            self.tolerance = max(self.tolerance, offers[self._width][0])
+        return [
+            self._extended(partials[at], k, np.unravel_index(j, self.pairs[k].shape), margins[at])
+            for _, at, j in offers[: self._width]
+        ]
+
+    @property
+    def _width(self) -> int:
+        """The number of partial choices that a joint is added to."""
+        numbers = len(self.loads.speed) + 4 * max(pairs.mass.size for pairs in self.pairs)
+        return max(1, _WORK // numbers)
+
+    def _bounds(self) -> list[Points]:
+        """What the drives of the joints still to be chosen for may be like at best, from all to
+        none."""
+        good = [pairs.fits for pairs in self.pairs]
+        margins = [np.where(fits, np.inf, 0.0) for fits in good]
+        for _ in range(_ROUNDS):
+            least, most = ranges(self.pairs, good)
+            margins = [
+                best_margins(self.loads, self.rest, k, pairs, self.life, least, most,
+                             (self.worst[k], self.allowed[k]))
+                for k, pairs in enumerate(self.pairs)
+            ]  # fmt: skip
+            good = [margin >= self.margin for margin in margins]
+        found = [Points.nothing()]
+        for k in reversed(self.order):
+            one = Points(self.pairs[k].mass[good[k]], self.price[k][good[k]], margins[k][good[k]])
+            found.append(found[-1].and_each(one.best()))
+        return found[::-1]
 
     def _worst_use(self, partial: PartialChoice) -> tuple[float, int, int]:
         """(the largest share, its joint, its limit), at all samples."""
@@ -326,6 +426,20 @@ class SizingSearch:
             self.loads.joints[joint].name,
             LIMITS[limit].name,
         )
+
+
+_ROUNDS = 2
+"""How often the pairs that may suffice narrow the masses by which they are found."""
+
+
+def _points(choices: Sequence[PartialChoice]) -> Points:
+    return Points(*(np.array([getattr(one, aim) for one in choices]) for aim in _AIMS))
+
+
+def _rounded(x: Array) -> Array:
+    """Numbers of which those alike but for the order of their sums are equal."""
+    scale = np.abs(x[np.isfinite(x)]).max(initial=0.0) or 1.0
+    return np.round(x / scale, 11)
 
 
 _AIMS = ("mass", "price", "margin")

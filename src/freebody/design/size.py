@@ -50,8 +50,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sizing(Tabled, ByValue):
-    """Motors and gears from a catalogue that suffice for duty cycles: all choices that were found
-    of which no other is lighter, cheaper and safer at once, the lightest first."""
+    """Motors and gears from a catalogue that suffice for duty cycles: the choices of which no other
+    is lighter, cheaper and safer at once, the lightest first, complete within a tolerance."""
 
     model: Model
     cycles: tuple[DutyCycle, ...]
@@ -65,6 +65,10 @@ class Sizing(Tabled, ByValue):
     hold: bool
     """Whether every motor must have a brake that holds its joint."""
     notices: tuple[str, ...]
+    tolerance: float = 0.0
+    """For every choice that suffices there is one in `choices` of at most 1 + tolerance times its
+    mass and its price and of at least its margin over 1 + tolerance; 0: `choices` are the whole
+    front, but of choices alike in all three one."""
 
     def _title(self) -> str:
         if not self.choices:
@@ -221,8 +225,9 @@ def size(
     Returns
     -------
     Sizing
-        For one joint its choices are all that are best. For several they are the best that were
-        found. Without any, the first of its notices tells what is missing.
+        Its choices are all that are best, but where there are too many to compare: then its
+        `tolerance`, and one of its notices, tell how much better another choice could be. Without
+        any, the first of its notices tells what is missing.
 
     Raises
     ------
@@ -244,9 +249,9 @@ def size(
     loads = cycle_loads(model, done, driven)
     rest = rest_loads(model, done, driven) if hold else None
     search = SizingSearch(loads, rest, catalogue, life, margin, say)
-    found = search.whole_front() if len(driven) == 1 else search.best_choices()
+    found = search.whole_front() if len(driven) == 1 else search.near_front()
     empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
     notices = (*search.failure, *search.remarks, *doubt_notices(model), *unmended(model, done),
                *cycle_notices(done))  # fmt: skip
     choices = tuple(search.choice(label) for label in found)
-    return replace(empty, choices=choices, notices=notices)
+    return replace(empty, choices=choices, notices=notices, tolerance=search.tolerance)

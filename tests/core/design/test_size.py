@@ -4,6 +4,7 @@ choice keeps every limit; what is rejected says why."""
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -122,6 +123,66 @@ def test_the_front_of_two_joints_has_nothing_worse_than_all_pairs_have():
             (all_pairs <= one + least).all(axis=1) & (all_pairs < one - least).any(axis=1)
         ).any()
     assert mine.min(axis=0) == pytest.approx(all_pairs.min(axis=0), rel=1e-12)
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("seed", [13, 4, 8, 9, 11, 12, 15, 20, 23])
+def test_the_front_of_three_joints_is_that_of_an_exhaustive_search(seed: int):
+    """All pairs of all joints, one inside the other, from small catalogues of strong
+    motors; of other seeds less than eleven choices suffice."""
+    arm = fb.load("3R")
+    rng, many = np.random.default_rng(seed), parts(60, 30, seed=seed)
+    strong = [x for x in many.motors if x.continuous_torque > 4.0]
+    stiff = [x for x in many.gears if (x.rated_torque or 0.0) > 60.0]
+    few = fb.PartCatalogue(
+        tuple(strong[k] for k in rng.permutation(len(strong))[: 3 + seed % 2]),
+        tuple(stiff[k] for k in rng.permutation(len(stiff))[:2]),
+    )
+    found = fb.size(arm, cycles(arm, 2, samples=40), few, life=LIFE)
+    every = np.array(list(whole_choices(found, arm.joint_names[::-1], {}, np.inf)))
+    assert len(every) > 10
+    every = np.unique(every.round(9), axis=0)  # sums in another order differ by rounding
+    signs, mine = [1.0, 1.0, -1.0], [[x.mass, x.price, x.margin] for x in found.choices]
+    costs = every * signs
+    better = [((costs <= x) & (costs < x).any(axis=1)[:, None]).all(axis=1).any() for x in costs]
+    best = np.unique(every[~np.array(better)], axis=0)
+    assert found.tolerance == 0.0
+    assert np.unique(np.array(mine, dtype=float), axis=0) == pytest.approx(best, rel=1e-9)
+
+
+def whole_choices(
+    found: Any, joints: Sequence[str], drives: Drives, least: float
+) -> Iterator[tuple[float, float, float]]:
+    """The mass, price and margin of every choice that suffices, from the tip to the base."""
+    if not joints:
+        chosen = [part for pair in drives.values() for part in pair]
+        yield sum(part.mass for part in chosen), price(*chosen), least
+        return
+    for margin, *pair in candidates(found, joints[0], drives):
+        more: Any = {**drives, joints[0]: tuple(pair)}
+        yield from whole_choices(found, joints[1:], more, min(least, margin))
+
+
+def test_a_front_that_is_not_complete_is_so_within_its_tolerance():
+    """Of a catalogue too large to compare all: of random choices, none is better than a listed one
+    by more than was told."""
+    arm = fb.load("3R")
+    found = fb.size(arm, cycles(arm, 2), parts(25, 12), life=LIFE)
+    assert found.tolerance > 0.0
+    assert any("too many choices to compare all" in words for words in found.notices)
+    mine = np.array([[x.mass, x.price, x.margin] for x in found.choices], dtype=float)
+    rng, within = np.random.default_rng(2), 1.0 + found.tolerance
+    for _ in range(6):
+        drives: Drives = {}
+        least = np.inf
+        for joint in reversed(arm.joint_names):
+            pool = candidates(found, joint, drives)
+            margin, motor, gear = pool[min(int(rng.exponential(8.0)), len(pool) - 1)]
+            drives[joint], least = (motor, gear), min(least, margin)
+        chosen = [part for pair in drives.values() for part in pair]
+        mass, cost = sum(part.mass for part in chosen), price(*chosen)
+        near = (mine[:, 0] <= within * mass) & (mine[:, 1] <= within * cost)
+        assert (near & (mine[:, 2] >= least / within)).any()
 
 
 def test_choices_keep_every_limit_and_their_model_is_the_robot():
