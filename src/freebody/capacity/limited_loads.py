@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.motion.intervals import Interval
 from freebody.motion.ranges import CLOSE, Flags
 
-Polynomials = list[tuple[list[Array], list[Array]]]
+PaceWays = list[tuple[list[Array], list[Array]]]
 """Pairs of coefficients (T, n): (a, b, c) of a load a k² + b k + c at the pace k, and those of a
 polynomial that is positive where the first is valid."""
 
@@ -24,14 +24,14 @@ class LimitedLoads:
     motion; polynomials of it, or None where they are none."""
 
     names: tuple[str, ...]
-    """Of the joints."""
+    """Names of the joints that have the loads."""
     quantities: tuple[str, ...]
     units: tuple[str, ...]
     limits: Array
     time: Array
     at: Callable[[Any], Any]
     """Loads at a pace, or those that occur at the paces of an interval; (K, T, n) at K of them."""
-    ways: Polynomials | None
+    ways: PaceWays | None
     known: bool = True
     """Whether it is known what they are at other paces than 1."""
 
@@ -64,7 +64,7 @@ EFFORTS = {True: ("torque", "N m"), False: ("force", "N")}
 """Names of the effort of a joint, with its unit, by whether the joint turns."""
 
 
-def constant(size: Array) -> Polynomials:
+def constant(size: Array) -> PaceWays:
     """The polynomials of loads (T, n) that are the same at every pace."""
     nothing = 0.0 * size
     return [([nothing, nothing, size], [nothing, nothing, nothing + 1.0])]
