@@ -32,7 +32,6 @@ extensions = [
     "sphinx.ext.autodoc",
     "reference",
     "gallery",
-    "heading_levels",
 ]
 nitpicky = True  # a reference that leads nowhere is a warning, and -W makes an error of it
 
