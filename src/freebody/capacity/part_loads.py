@@ -1,4 +1,4 @@
-"""What brakes hold and bearings bear along a motion, and at other paces of it.
+"""Loads of brakes and bearings along a motion, and at other paces of it.
 
 A brake holds the robot where it stands still, whatever the pace. What a bearing bears at the pace k
 is a wrench W(k) = A k² + B k + C, as the torques are (`time_scaling`): of a closed chain too, for
@@ -64,7 +64,7 @@ def _of_brakes(
     q: Array,
     wrenches: Mapping[str, Array] | None,
 ) -> LimitedLoads:
-    """What holds the robot still: without the wrenches on it, which may end, and with them."""
+    """Loads that hold the robot still: without the wrenches on it, which may end, and with them."""
     columns = [x.column for x in parts.brakes]
     cases = (None, wrenches) if wrenches else (None,)
     held = [static_torque(model, q, x)[:, columns] for x in cases]

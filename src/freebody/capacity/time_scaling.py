@@ -62,8 +62,8 @@ class Pace:
     """The coordinate, or joint that follows one, that reaches its limit at the factor, or cannot be
     slowed into it; empty without one."""
     quantity: str = ""
-    """What then is at the limit: speed, torque or force; of a brake brake torque or brake force, of
-    a bearing static load or tilting moment."""
+    """The quantity that then is at the limit: speed, torque or force; of a brake brake torque or
+    brake force, of a bearing static load or tilting moment."""
     time: float = float("nan")
     """Time in the motion as it is given at which that is so (s)."""
     share: float = float("nan")

@@ -1,4 +1,4 @@
-"""What no choice of drives can be better than: bounds of the joints that are still to be chosen
+"""Bounds that no choice of drives can beat: those of the joints that are still to be chosen
 for, whatever masses their drives have, and how much a choice could gain by them.
 
 Every share that is used of a limit is a norm of what the motor or the gear gives, and the masses
@@ -44,7 +44,7 @@ class Points:
         return Points(self.mass[at], self.price[at], self.margin[at])
 
     def best(self) -> Points:
-        """Those of which no other is better in everything."""
+        """The points of which no other is better in everything."""
         return self.taken(front(self.mass, self.price, self.margin))
 
     def with_each(self, other: Points) -> Points:
@@ -103,9 +103,9 @@ def best_margins(
 
 
 def gain(choices: Points, ahead: Points, known: Points) -> Array:
-    """By how much (k,) the known points have to be improved, in the one of mass, price and margin
-    where it takes most, to be as good as whatever becomes of choices with the points ahead: 0 where
-    they are already."""
+    """The factors less 1, (k,), by which the known points have to be improved, in the one of mass,
+    price and margin where it takes most, to be as good as whatever becomes of choices with the
+    points ahead: 0 where they are already."""
     found = choices.with_each(ahead)
     needed = np.full(found.mass.shape, np.inf)
     for mass, price, margin in zip(known.mass, known.price, known.margin, strict=True):

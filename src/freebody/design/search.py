@@ -152,8 +152,8 @@ class SizingSearch:
         self.price = {k: x.price if self.priced else 0.0 * x.mass for k, x in enumerate(self.pairs)}
         self.failure: tuple[str, ...] = ()
         self.tolerance = 0.0
-        """By how much the mass, the price or the margin of what was found may have to be improved
-        to be as good as every choice that there is."""
+        """The factor less 1 by which the mass, the price or the margin of what was found may have
+        to be improved to be as good as every choice that there is."""
         self.worst: list[Index] = [self._first_samples(k) for k in range(len(loads.joints))]
         self.allowed = [
             pairs.allowed(loads.speed[at, k])
@@ -304,7 +304,7 @@ class SizingSearch:
         return max(1, _WORK // numbers)
 
     def _bounds(self) -> list[Points]:
-        """What the drives of the joints still to be chosen for may be like at best, from all to
+        """Bounds of the drives of the joints still to be chosen for, from all to
         none."""
         good = [pairs.fits for pairs in self.pairs]
         margins = [np.where(fits, np.inf, 0.0) for fits in good]

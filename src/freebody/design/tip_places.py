@@ -87,7 +87,7 @@ _PLACE = {
     2: "x, y and the angle, or x, y alone",
     3: "x, y, z, roll, pitch, yaw, or x, y, z alone",
 }
-"""What a place of the tip consists of, in the plane and in space."""
+"""The entries of a place of the tip, in the plane and in space."""
 
 
 def _places(model: Model, table: TomlTable) -> list[Array]:

@@ -1,4 +1,4 @@
-"""What logs with a load and without it say of the load, before a body is sought that can be it.
+"""Estimates of a load from logs with it and without it, before a body is sought that can be it.
 
 A load on a link adds to the base parameters β what its own mass, first moment and inertia π add,
 β + K π. The logs of each kind give β with friction of their own, so that a drive that has warmed up
@@ -33,8 +33,8 @@ nothing, and part of a parameter (squared) in one, above which it is not told ei
 
 
 class Evidence(NamedTuple):
-    """What logs say of base parameters, whatever friction was: an estimate (b,) and its information
-    (b, b), the inverse of its covariance."""
+    """Evidence of logs on base parameters, whatever friction was: an estimate (b,) and its
+    information (b, b), the inverse of its covariance."""
 
     base: Array
     information: Array
@@ -63,7 +63,7 @@ def load_regression(
 
 
 def evidence_of(found: LogEquations, x: Regressed) -> Evidence:
-    """What a regression says of base parameters once friction is free."""
+    """Evidence of a regression on base parameters once friction is free."""
     b, information = found.columns.base, x.information
     across = information[:b, b:]
     left = across @ np.linalg.pinv(information[b:, b:], hermitian=True) @ across.T

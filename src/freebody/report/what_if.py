@@ -1,5 +1,6 @@
-"""What a study's page computes itself: the torques of the motion under another payload, at another
-pace, on a tilted base, by a kernel in JavaScript that is held against Python's numbers first."""
+"""Computations of a study's page itself: the torques of the motion under another payload, at
+another pace, on a tilted base, by a kernel in JavaScript that is held against Python's numbers
+first."""
 
 from __future__ import annotations
 
@@ -74,7 +75,7 @@ def peaks(study: Study) -> list[int]:
 
 
 def what_if(study: Study, kept: NDArray[np.intp]) -> WhatIf:
-    """What a page with the samples `kept` of a motion computes itself."""
+    """The data with which a page of the samples `kept` of a motion computes itself."""
     reason = _missing(study.model)
     if reason:
         return WhatIf(reason)

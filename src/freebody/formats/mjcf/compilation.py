@@ -42,7 +42,7 @@ _REMEDIES = (
         "joint.",
     ),
 )
-"""What mends a file, by words in what MuJoCo says of it."""
+"""Remedies of a file, by words in what MuJoCo says of it."""
 BOUNDS = {
     "range": "range",
     "effort": "actuatorfrcrange",
@@ -99,7 +99,7 @@ def _line(told: str, data: bytes) -> int | None:
 
 
 def _as_sentences(told: str) -> str:
-    """What MuJoCo says of a file, in one line, and what mends the file where that is known."""
+    """The words of MuJoCo on a file, in one line, and what mends the file where that is known."""
     line = "; ".join(" ".join(x.split()) for x in told.splitlines() if x.strip())
     line = re.sub(r"^((XML )?Error: )+|, line 0\b", "", line).rstrip(".")
     return " ".join([f"{line}.", *(mend for words, mend in _REMEDIES if re.search(words, line))])
