@@ -237,7 +237,7 @@ axis = "z"
     ("kind", "numbers", "text"),
     [
         ("helical", (), r"numbers has 0 entries; those of a helical joint are: pitch \(m/rad\)\."),
-        ("universal", (1.0,), r"numbers has 1 entries; those of a universal joint are: none\."),
+        ("universal", (1.0,), r"numbers has 1 entry; those of a universal joint are: none\."),
         ("helical", (float("nan"),), r"pitch: nan is not a finite number\."),
     ],
 )
