@@ -69,7 +69,7 @@ BY_POSITION = {
         "poses": np.ones((8, 3)),
         "instrument": np.eye(4),
         "marker": [0.0, 0.0, 0.1],
-        "noise": [1e-4, 1e-4],
+        "noise": [1e-4],
     },
     "excitation": {"box": [[-1.0, -1.0], [1.0, 1.0]]},
     "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
