@@ -19,6 +19,7 @@ from freebody.design.drive_loads import demand_of
 from freebody.design.front import front
 from freebody.design.loads import CycleLoads, RestLoads
 from freebody.design.pairs import Demand, PairTable, uses
+from freebody.motion.ranges import Flags
 from freebody.trees.position_rates import Index
 
 _MOST = 32
@@ -121,7 +122,7 @@ def _times(one: Array | float, other: Array | float) -> Array:
         return np.where(np.less_equal(one, other), 1.0, np.divide(one, other))
 
 
-def ranges(pairs: Sequence[PairTable], good: Sequence[Array]) -> tuple[Array, Array]:
+def ranges(pairs: Sequence[PairTable], good: Sequence[Flags]) -> tuple[Array, Array]:
     """The least and the largest mass (n,) of the pairs of each joint that may suffice."""
     masses = [table.mass[at] for table, at in zip(pairs, good, strict=True)]
     return np.array([x.min() for x in masses]), np.array([x.max() for x in masses])

@@ -30,6 +30,7 @@ from freebody.design.front import front
 from freebody.design.loads import CycleLoads, DriveJoint, RestLoads, order
 from freebody.design.pairs import LIMITS, Demand, PairTable, margin_of, used, used_of, uses
 from freebody.design.parts import Gear, Motor
+from freebody.motion.ranges import Flags
 from freebody.outputs.display import Tabled, TextTable
 from freebody.trees.position_rates import Index
 
@@ -306,7 +307,7 @@ class SizingSearch:
     def _bounds(self) -> list[Points]:
         """Bounds of the drives of the joints still to be chosen for, from all to
         none."""
-        good = [pairs.fits for pairs in self.pairs]
+        good: list[Flags] = [pairs.fits for pairs in self.pairs]
         margins = [np.where(fits, np.inf, 0.0) for fits in good]
         for _ in range(_ROUNDS):
             least, most = ranges(self.pairs, good)
