@@ -17,7 +17,7 @@ import numpy as np
 
 from freebody.any_chain.effort_limits import followers
 from freebody.arrays import Array
-from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
+from freebody.capacity.fitted_parts import BEARING_LIMITS, NO_PARTS, FittedParts
 from freebody.capacity.limited_loads import EFFORTS, LimitedLoads
 from freebody.capacity.part_loads import part_loads
 from freebody.capacity.time_scaling import LimitedMotion, Pace, limited, pace, parts
@@ -170,8 +170,7 @@ class _WeighedDoubts:
 _PART_LIMITS = {
     "brake torque": "what {joint}'s brake holds",
     "brake force": "what {joint}'s brake holds",
-    "static load": "the static load of {joint}'s bearing",
-    "tilting moment": "the tilting moment of {joint}'s bearing",
+    **{limit.name: f"the {limit.name} of {{joint}}'s bearing" for limit in BEARING_LIMITS},
 }
 """Limits of brakes and bearings in words, by the quantity that has them."""
 
