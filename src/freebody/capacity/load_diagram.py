@@ -3,10 +3,8 @@ curve for each limit of a drive, brake or bearing, as makers of robots print it.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +16,9 @@ from freebody.capacity.payload import payload
 from freebody.design.drive_loads import ChosenDrives
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
-from freebody.figures.figure import save
+from freebody.figures.figure import Pictured
 from freebody.figures.plots import Plot, plot
+from freebody.figures.svg import Picture
 from freebody.model.doubts import Doubt, attribute, in_one_line, named
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
@@ -38,7 +37,7 @@ _HIGH = 1.6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadDiagram(Tabled, ByValue):
+class LoadDiagram(Tabled, ByValue, Pictured):
     """The largest payload over the offset of its centre of mass.
 
     offsets: (k,), m along an axis of the frame. by_joint: (k, K), kg, at which each joint alone
@@ -57,6 +56,7 @@ class LoadDiagram(Tabled, ByValue):
     along: str
     doubts: tuple[Doubt, ...] = ()
     _aside = ("doubts",)
+    caller = "load_diagram"
 
     @property
     def mass(self) -> Array:
@@ -64,7 +64,7 @@ class LoadDiagram(Tabled, ByValue):
         return np.asarray(self.by_joint.min(axis=-1))
 
     @property
-    def svg(self) -> str:
+    def picture(self) -> Picture:
         """The diagram: mass over offset in mm, a curve for each part that limits somewhere, or
         nearly; what lies below all of them is carried."""
         mass = self.mass
@@ -79,14 +79,7 @@ class LoadDiagram(Tabled, ByValue):
         size = (460.0, 300.0)
         return plot(
             Plot(title, 1e3 * self.offsets, curves, "kg", peaks=False, across=across, size=size)
-        ).text()
-
-    def _repr_svg_(self) -> str:
-        return self.svg
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the diagram as an SVG file; its path."""
-        return save(self.svg, path, "load_diagram")
+        )
 
     def to_xarray(self) -> xr.Dataset:
         """A labelled dataset over the offsets."""

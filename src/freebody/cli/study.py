@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import fitted_parts, motions, options, terminal
-from freebody.errors import FreebodyError, OutputError
+from freebody.errors import FreebodyError, OutputError, UnknownNameError
 from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
@@ -68,6 +68,14 @@ def study(
             metavar="FILE", help="The report as PDF too, printed by a Chromium, Chrome or Edge."
         ),
     ] = None,
+    figure: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=FILE",
+            help="A figure by itself, .svg or .pdf, such as torques=torques.svg or "
+            "animation=moves.svg; repeatable. Names: as of study.figure.",
+        ),
+    ] = None,
 ) -> None:
     """Study a robot along a motion or over a duty cycle: torques, powers, reactions, energies and
     checks, as a report and as data.
@@ -77,16 +85,25 @@ def study(
     """
     directory = out or Path(f"study-{Path(robot.name).stem}")
     with terminal.progress("reading") as progress:
+        from freebody.design.duty_cycle import DutyCycle
+        from freebody.report.study import Study
         from freebody.report.study import study as study_of
 
         cutoff = _cutoff(smooth)
+        figures = [_figure(given) for given in figure or ()]
         if pdf is not None:
             browser()  # refused before anything is computed
         model = robot.load()
         prepare(directory)
+        given = None if motion is None else motions.read(model, motion)
+        if figures and isinstance(given, DutyCycle):
+            raise FreebodyError(
+                "--figure is for one motion, and this is a duty cycle; in Python "
+                "study(...).segments[0].figure(...) is that of a segment."
+            )
         found = study_of(
             model,
-            None if motion is None else motions.read(model, motion),
+            given,
             wrenches=robot.wrenches(model),
             smooth=cutoff,
             speed=robot.speed,
@@ -100,13 +117,33 @@ def study(
         if pdf is not None and failure is None:
             progress("PDF", 0.9)
             found.to_pdf(pdf)
+        if failure is None and isinstance(found, Study):
+            for name, file in figures:
+                progress(f"figure {name}", 0.95)
+                found.figure(name).save(file)
     _print(found, directory, failure)
-    if pdf is not None and failure is None:
-        terminal.out().print(f"PDF:    {pdf}", soft_wrap=True)
+    if failure is None:
+        for title, file in [*([("PDF", pdf)] if pdf else []), *(("figure", x) for _, x in figures)]:
+            terminal.out().print(f"{title + ':':7} {file}", soft_wrap=True)
     if failure:
         raise failure
     if found.finding:
         raise typer.Exit(1)
+
+
+def _figure(given: str) -> tuple[str, Path]:
+    """The name and the file of a figure that --figure asks for."""
+    from freebody.figures.figure import picture_file
+    from freebody.report.study_figures import NAMES
+
+    name, separator, file = given.partition("=")
+    if not separator or not file:
+        raise FreebodyError(
+            f"--figure is {given!r}, expected NAME=FILE, such as torques=torques.svg."
+        )
+    if name not in NAMES:
+        raise UnknownNameError("figure", name, "a study", NAMES)
+    return name, picture_file(file, "--figure")
 
 
 def _cutoff(smooth: str | None) -> bool | float:

@@ -1,9 +1,10 @@
-"""A figure: several drawings on one sheet, which can be shown, saved, and searched for elements."""
+"""Figures: pictures that show themselves in a notebook and are saved; several drawings on one
+sheet, which can be searched for elements."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,13 +14,42 @@ from freebody.figures.svg import Picture, natural_scale, picture
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
 from freebody.outputs.files import write
+from freebody.outputs.pdf import pdf
 
 WIDE, TALL = 400.0, 380.0
 """Size of one drawing on a sheet, pixels."""
 
 
+class Pictured:
+    """What has a picture: it shows itself in a notebook, and is saved as SVG or PDF."""
+
+    caller: str
+    """The function that made it, for errors."""
+
+    @property
+    def picture(self) -> Picture:
+        """The picture, all on one sheet."""
+        raise NotImplementedError
+
+    @property
+    def svg(self) -> str:
+        """SVG text that stands alone."""
+        return self.picture.text()
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """The path of the .svg or .pdf file to which the picture is written.
+
+        A PDF is printed by a Chromium, Chrome or Edge that is at hand, in light colours. Raises
+        FreebodyError for another kind of file, or where there is no browser.
+        """
+        return save(self.picture, path, self.caller)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Figure(Titled):
+class Figure(Titled, Pictured):
     """Drawings that belong together; shows itself in a notebook."""
 
     title: str
@@ -36,11 +66,6 @@ class Figure(Titled):
 
     def _title(self) -> str:
         return f"Figure: {self.title}"
-
-    @cached_property
-    def svg(self) -> str:
-        """SVG text that stands alone."""
-        return self.picture.text()
 
     @cached_property
     def picture(self) -> Picture:
@@ -71,13 +96,6 @@ class Figure(Titled):
         searched = self.drawings if panel is None else (self.drawings[panel],)
         return named(searched, name, self.title)
 
-    def _repr_svg_(self) -> str:
-        return self.svg
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """The path of the SVG file to which the figure is written."""
-        return save(self.svg, path, self.caller)
-
 
 def of_one(title: str, drawing: Drawing, caller: str) -> Figure:
     """A figure of a single drawing on a large sheet."""
@@ -85,11 +103,11 @@ def of_one(title: str, drawing: Drawing, caller: str) -> Figure:
 
 
 def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:
-    """A picture of several pictures of equal width, in rows; level 1 aligns their lower edges,
-    where captions are, 0 the upper ones."""
+    """A picture of several pictures in rows, with columns as wide as the widest; level 1 aligns
+    their lower edges, where captions are, 0 the upper ones."""
     if len(pictures) == 1:
         return Picture(pictures[0].body, pictures[0].width, pictures[0].height, title)
-    body, y, wide = "", 0.0, pictures[0].width
+    body, y, wide = "", 0.0, max(one.width for one in pictures)
     for k in range(0, len(pictures), columns):
         row = pictures[k : k + columns]
         tall = max(p.height for p in row)
@@ -112,11 +130,32 @@ def to_one_scale(
         drawing.scale = min(lengths) / one
 
 
-def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:
-    """The path of the .svg file to which SVG text is written."""
+def save(shown: Picture, path: str | os.PathLike[str], what: str) -> Path:
+    """The path of the .svg or .pdf file to which a picture is written; what: names it in errors."""
+    target = picture_file(path, what)
+    return write(target, _KINDS[target.suffix.lower()](shown))
+
+
+def picture_file(path: str | os.PathLike[str], what: str) -> Path:
+    """The path of a file that can hold a picture.
+
+    Raises FreebodyError for one that is neither .svg nor .pdf; what: names the picture in it.
+    """
     target = Path(path)
-    if target.suffix.lower() != ".svg":
+    if target.suffix.lower() not in _KINDS:
         raise FreebodyError(
-            f"{what}: {target.name!r} is not an .svg file; name one, such as 'fbd.svg'."
+            f"{what}: {target.name!r} is not an .svg or .pdf file; name one, such as 'fbd.svg'."
         )
-    return write(target, svg)
+    return target
+
+
+def _on_paper(shown: Picture) -> bytes:
+    """A PDF whose one page is as large as the picture."""
+    size = f"{shown.width:g}px {shown.height:.0f}px"
+    return pdf(
+        f"<!doctype html><meta charset='utf-8'><style>@page{{size:{size};margin:0}}"
+        f"body{{margin:0}}svg{{display:block}}</style>{shown.text()}"
+    )
+
+
+_KINDS: dict[str, Callable[[Picture], str | bytes]] = {".svg": Picture.text, ".pdf": _on_paper}

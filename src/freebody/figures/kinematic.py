@@ -10,6 +10,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.expressions.notations.notation import BookNotation
 from freebody.figures.drawing import Drawing
@@ -17,7 +18,7 @@ from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
 from freebody.figures.layers import bare_robot, measures, motion
 from freebody.figures.layers.bare_robot import Layer, drawn
-from freebody.figures.skeleton import extent, skeleton
+from freebody.figures.skeleton import Skeleton, extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT, best_view
 from freebody.model.model import Model
@@ -128,24 +129,39 @@ def robot_drawing(
     seen = snapshot(model, q, still, still)
     poses = [seen.pose, *(skeleton(model, ghost) for ghost in ghosts)]
     track = None if path is None else np.asarray(path, dtype=float)
-    view = FLAT
+    drawing = robot_scene(poses, track, f"{model.name}: the robot at one position", seen.size)
     if model.dim == 3:
-        view = best_view([ends for pose in poses for ends in bare_robot.sticks(pose)])
-    drawing = Drawing(view, f"{model.name}: the robot at one position", labels="both")
-    if model.dim == 3:
-        bare_robot.floor(drawing, seen, poses)
+        bare_robot.shadow(drawing, seen, poses)
     for pose in poses[1:]:
         for ends in bare_robot.sticks(pose):
             drawing.line(ends, "ghost", "ghost")
-    if track is not None:
-        drawing.line(track, "tip path", "tippath")
-        drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
+    tip_path(drawing, track)
     bare_robot.structure(drawing, seen)
     for layer in _NUMBERED if model.dim == 2 else (_numbered,):
         layer(drawing, seen)
+    return drawing
+
+
+def robot_scene(poses: Sequence[Skeleton], track: Array | None, title: str, size: float) -> Drawing:
+    """The drawing in which a robot of a size (m) stands in some poses, still without it: the view
+    that shows them best, the floor, a ruler about as long as suits them and the path of the tip,
+    track (k, dim)."""
+    view = FLAT
+    if poses[0].dim == 3:
+        view = best_view([ends for pose in poses for ends in bare_robot.sticks(pose)])
+    drawing = Drawing(view, title, labels="both")
+    if poses[0].dim == 3:
+        bare_robot.floor(drawing, poses, size)
     about = extent(poses, track) / 5
     drawing.ruler(about, about, "m", "length")
     return drawing
+
+
+def tip_path(drawing: Drawing, track: Array | None) -> None:
+    """Draw the path (k, dim) of the tip, with a dot where it starts."""
+    if track is not None:
+        drawing.line(track, "tip path", "tippath")
+        drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
 
 
 def _numbered(drawing: Drawing, seen: Snapshot) -> None:

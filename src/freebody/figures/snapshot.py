@@ -52,6 +52,8 @@ class Snapshot:
     names: DrawingNames
     links: frozenset[int] = frozenset()
     """Bodies that stand for nothing, between joints that replace another; they are not drawn."""
+    common_size: float | None = None
+    """The size of several poses whose symbols are drawn alike, metres; default: this pose's."""
 
     @cached_property
     def drawn(self) -> tuple[BodyPlace, ...]:
@@ -70,7 +72,7 @@ class Snapshot:
     @cached_property
     def size(self) -> float:
         """Diagonal of the box around the robot, metres."""
-        return extent([self.pose])
+        return extent([self.pose]) if self.common_size is None else self.common_size
 
     @cached_property
     def loads(self) -> tuple[BodyLoads, ...]:

@@ -119,7 +119,23 @@ class Picture:
 
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""
-    page, height, boxes = laid_out(drawing, width, tallest)
+    return _finished(*laid_out(drawing, width, tallest), drawing, width)
+
+
+def alike(drawings: Sequence[Drawing], width: float, tallest: float) -> list[Picture]:
+    """Pictures of drawings with one view on pages of one size, on which each place of the world is
+    at the same pixels."""
+    bounds = [_bounds(drawing) for drawing in drawings]
+    low, high = np.min([a for a, _ in bounds], axis=0), np.max([b for _, b in bounds], axis=0)
+    return [
+        _finished(*laid_out(drawing, width, tallest, (low, high)), drawing, width)
+        for drawing in drawings
+    ]
+
+
+def _finished(
+    page: Page, height: float, boxes: Sequence[Box], drawing: Drawing, width: float
+) -> Picture:
     page.body += filter(None, map(_leader, page.wanted, boxes))  # below all labels
     page.body += map(_label, page.wanted, boxes)
     page.body += _corners(drawing, page, height)
@@ -134,10 +150,16 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     return Picture("".join(page.body), width, height, drawing.title)
 
 
-def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float, list[Box]]:
+def laid_out(
+    drawing: Drawing, width: float, tallest: float, bounds: tuple[Array, Array] | None = None
+) -> tuple[Page, float, list[Box]]:
     """(page, height, boxes): the page with everything drawn but the labels, its height, and the
-    places of the labels."""
-    page, height = _fit(drawing, width, tallest)
+    places of the labels.
+
+    bounds: the lowest and highest coordinates of the view that the page holds; default: the
+    drawing's own.
+    """
+    page, height = _fit(drawing, width, tallest, bounds or _bounds(drawing))
     for element in drawing.elements:
         _DRAW[type(element)](page, element)
     return page, height, page.crowd.settle(page.wanted)
@@ -145,7 +167,11 @@ def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, floa
 
 def natural_scale(drawing: Drawing, width: float, tallest: float) -> float:
     """The scale in pixels per metre at which the drawing just fits."""
-    span = _bounds(drawing)[1] - _bounds(drawing)[0]
+    return _natural(_bounds(drawing), width, tallest)
+
+
+def _natural(bounds: tuple[Array, Array], width: float, tallest: float) -> float:
+    span = bounds[1] - bounds[0]
     return float(min((width - 2 * _MARGIN) / span[0], (tallest - 2 * _MARGIN) / span[1]))
 
 
@@ -162,9 +188,11 @@ def _bounds(drawing: Drawing) -> tuple[Array, Array]:
     return flat.min(axis=0), np.maximum(flat.max(axis=0), flat.min(axis=0) + 1e-9)
 
 
-def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
-    low, high = _bounds(drawing)
-    scale = drawing.scale or natural_scale(drawing, width, tallest)
+def _fit(
+    drawing: Drawing, width: float, tallest: float, bounds: tuple[Array, Array]
+) -> tuple[Page, float]:
+    low, high = bounds
+    scale = drawing.scale or _natural(bounds, width, tallest)
     top = 18.0 if drawing.heading else 0.0
     inner = max(float(high[1] - low[1]) * scale + 2 * _MARGIN, 120.0)
     middle = (low + high) / 2

@@ -123,14 +123,14 @@ def torques(study: CycleStudy) -> Iterator[CaptionedDrawing]:
         t, curves = _over_cycle(study, [x.data["tau"].values[:, k] for x in study.segments])
         bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
         what = Plot(name, t, curves, str(units[k]), bounds, peaks=False, names=len(curves) > 1)
-        yield CaptionedDrawing(plot(what).text(css=False))
+        yield CaptionedDrawing(plot(what))
 
 
 def power(study: CycleStudy) -> CaptionedDrawing:
     """The plot of the power of all drives together over the whole cycle."""
     t, curves = _over_cycle(study, [x.data["motor_power"].values for x in study.segments])
     what = Plot("Power of all drives", t, curves, "W", peaks=False, names=len(curves) > 1)
-    return CaptionedDrawing(plot(what).text(css=False))
+    return CaptionedDrawing(plot(what))
 
 
 def _over_cycle(study: CycleStudy, values: list[Array]) -> tuple[Array, dict[str, Array]]:
@@ -160,4 +160,4 @@ def _robot(study: CycleStudy) -> CaptionedDrawing:
     shares = [np.nan_to_num(segment.worst.fraction) for segment in study.segments]
     k = int(np.argmax(shares))
     drawing = robot(study.segments[k])
-    return CaptionedDrawing(drawing.svg, f"Segment {k + 1}. {drawing.caption}")
+    return CaptionedDrawing(drawing.picture, f"Segment {k + 1}. {drawing.caption}")

@@ -249,7 +249,7 @@ def torques(
         ):
             named = len(curves) > 1
             what = Plot(title, fit.time[part], curves, units[x.joint], peaks=False, names=named)
-            yield CaptionedDrawing(plot(what).text(css=False))
+            yield CaptionedDrawing(plot(what))
 
 
 def friction(found: Identification, units: dict[str, str]) -> Iterator[CaptionedDrawing]:
@@ -265,7 +265,7 @@ def friction(found: Identification, units: dict[str, str]) -> Iterator[Captioned
         t, curves = _over_rates(rate, {"logs": law + left, "mean": law + left, "model": law})
         across = "rate in rad/s" if units[x.joint] == "N m" else "rate in m/s"
         what = Plot(x.joint, t, curves, units[x.joint], peaks=False, across=across, faint=("logs",))
-        yield CaptionedDrawing(plot(what).text(css=False))
+        yield CaptionedDrawing(plot(what))
 
 
 def _over_rates(rate: Array, values: dict[str, Array]) -> tuple[Array, dict[str, Array]]:
@@ -295,4 +295,4 @@ def residuals(found: DetectedCollisions, units: dict[str, str]) -> Iterator[Capt
         level = float(found.threshold[j])
         values = np.where(found.judged, found.residual[:, j], np.nan)
         what = Plot(name, found.time, {name: values}, units[name], (-level, level), names=False)
-        yield CaptionedDrawing(plot(what).text(css=False))
+        yield CaptionedDrawing(plot(what))

@@ -14,7 +14,7 @@ from freebody.figures.kinematic import robot_drawing
 from freebody.figures.plane_map import plane_map
 from freebody.figures.plots import Plot, plot
 from freebody.figures.snapshot import snapshot
-from freebody.figures.svg import picture
+from freebody.figures.svg import Picture, picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.outputs.number_text import significant
 from freebody.report.lifting import chart, lifting_along, lifting_over_plane
@@ -39,14 +39,26 @@ _HERO = (460.0, 400.0)  # of the robot, pixels
 
 @dataclass(frozen=True)
 class CaptionedDrawing:
-    """A drawing as SVG text with its caption."""
+    """A picture with its caption."""
 
-    svg: str
+    picture: Picture
     caption: str = ""
     plot: Plot | None = None
     """The curves of the drawing, where they are over the time of the motion."""
     number: int | None = None
     """Its number among those that follow the cursor of a page."""
+    body: str = ""
+    """The body that it shows alone."""
+
+    @property
+    def title(self) -> str:
+        """What it shows in a word or two: a body, a joint, a quantity."""
+        return self.body or (self.picture.title if self.plot is None else self.plot.title)
+
+    @property
+    def svg(self) -> str:
+        """SVG text for a page, which has the style sheet."""
+        return self.picture.text(css=False)
 
 
 def robot(study: Study) -> CaptionedDrawing:
@@ -57,21 +69,31 @@ def robot(study: Study) -> CaptionedDrawing:
     ghosts = [q[k] for k in sorted(others - {worst.index})]
     path, words = None, ""
     if study.tip is not None:
-        path = study.data["tip_position"].values[:: max(1, count // 240)]
+        path = path_of_tip(study)
         words = f" Orange: the path of {study.tip}."
     drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), *_HERO)
     return CaptionedDrawing(
-        drawing.text(css=False),
+        drawing,
         f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion.{words}",
     )
+
+
+def path_of_tip(study: Study) -> np.ndarray:
+    """Places (k, dim) that the tip passes, m, as many as a line needs."""
+    return study.data["tip_position"].values[:: max(1, len(study.motion.t) // 240)]
 
 
 def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, ...]]:
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
     seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k], study.wrenches)
-    drawn = (picture(d, PANEL, TALLEST).text(css=False) for d in diagrams(seen, seen.loads))
-    return list(map(CaptionedDrawing, drawn)), seen.loads
+    drawn = zip(diagrams(seen, seen.loads), seen.loads, strict=True)
+    return [
+        CaptionedDrawing(
+            picture(drawing, PANEL, TALLEST), body=study.model.bodies[loads.body.index].name
+        )
+        for drawing, loads in drawn
+    ], seen.loads
 
 
 def motion(study: Study) -> Iterator[CaptionedDrawing]:
@@ -175,7 +197,7 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
     found = lifting_over_plane(study)
     if found is not None:
         yield CaptionedDrawing(
-            plane_map(chart(study, found)).text(css=False),
+            plane_map(chart(study, found)),
             f"In the upright plane of the worst instant, {study.tip} {found.words}; at each point "
             f"the best of all postures that reach it. Blank points are out of reach within the "
             f"joint limits; beyond the last contour the payload is larger.",
@@ -211,7 +233,7 @@ def drift(study: Study) -> Iterator[CaptionedDrawing]:
         names=False,
         log=True,
     )
-    yield CaptionedDrawing(plot(what).text(css=False))
+    yield CaptionedDrawing(plot(what))
 
 
 def _overlays(
@@ -266,7 +288,7 @@ def _plot(
     what = Plot(
         title, study.motion.t, curves, unit, limits, at, peaks, names, colours=colours, also=also
     )
-    return CaptionedDrawing(plot(what).text(css=False), plot=what)
+    return CaptionedDrawing(plot(what), plot=what)
 
 
 def numbered(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -44,6 +44,8 @@ from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from freebody.report.study_figures import StudyFigure
 
 
 StudiedMotion = DutyCycle | Segment | Motion | MotionTable | str | os.PathLike[str] | None
@@ -171,6 +173,36 @@ class Study(Tabled, ByValue):
         from freebody.report.page import page
 
         return write(path, pdf(page(self)))
+
+    def figure(self, name: str, only: str | Sequence[str] | None = None) -> StudyFigure:
+        """A figure of the report by itself, for a paper, slides or a site.
+
+        Parameters
+        ----------
+        name
+            "robot" (at the worst instant), "animation" (the motion in its own time, without
+            script), "free_bodies", "kinematics" (path of the tip, speed, nearness to singular
+            poses), "gravity", "lifting", "motion", "torques" (of each drive with its parts),
+            "powers", "energies", "reactions" or "drift" (of the replay).
+        only
+            The panels that it has, one or several of the figure's `titles`, such as a joint's name;
+            default all.
+
+        Returns
+        -------
+        StudyFigure
+            Shows itself in a notebook; `.save("torques.svg")` or `.save("torques.pdf")` writes it.
+
+        Raises
+        ------
+        UnknownNameError
+            For a name that no figure, or a title that no panel has; it lists those there are.
+        FreebodyError
+            Where there is nothing to draw, such as the tip's path of a robot without a tip.
+        """
+        from freebody.report.study_figures import study_figure
+
+        return study_figure(self, name, only)
 
 
 @overload

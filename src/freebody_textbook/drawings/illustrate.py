@@ -73,7 +73,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
     names = {}
     for name, drawing in illustrations(derivation, labels).items():
         target = document.with_name(f"{document.stem}-{name.replace(' ', '-')}.svg")
-        save(picture(drawing, WIDE, TALL).text(), target, "a drawing")
+        save(picture(drawing, WIDE, TALL), target, "a drawing")
         names[name] = target.name
     return names
 

@@ -323,12 +323,16 @@ def triad(
         drawing.arrow(origin, origin + length * axis, name, role, axis, label=said)
 
 
-def floor(drawing: Drawing, seen: Snapshot, poses: Sequence[Skeleton]) -> None:
-    """Draw a floor under all poses: grid lines a round distance apart, and the shadow of the pose
-    that is seen."""
-    level = min(0.0, min(float(pose.places[:, 2].min()) for pose in poses))
+def _level(poses: Sequence[Skeleton]) -> float:
+    """The height of the floor under all poses: the base's, or that of the lowest joint."""
+    return min(0.0, min(float(pose.places[:, 2].min()) for pose in poses))
+
+
+def floor(drawing: Drawing, poses: Sequence[Skeleton], size: float) -> None:
+    """Draw a floor under all poses of a robot of a size (m): grid lines a round distance apart."""
+    level = _level(poses)
     flat = np.concatenate([pose.places[:, :2] for pose in poses])
-    step = round_down(seen.size / 4)
+    step = round_down(size / 4)
     (x0, y0), (x1, y1) = np.floor(flat.min(0) / step - 0.15), np.ceil(flat.max(0) / step + 0.15)
     rows = [((k, y0), (k, y1)) for k in np.arange(x0, x1 + 1)]
     columns = [((x0, k), (x1, k)) for k in np.arange(y0, y1 + 1)]
@@ -336,6 +340,11 @@ def floor(drawing: Drawing, seen: Snapshot, poses: Sequence[Skeleton]) -> None:
         drawing.line([(*(step * np.array(end)), level) for end in ends], "grid", "grid")
     if level < -1e-9:
         drawing.line(((0.0, 0.0, 0.0), (0.0, 0.0, level)), "plumb line", "guide")
+
+
+def shadow(drawing: Drawing, seen: Snapshot, poses: Sequence[Skeleton]) -> None:
+    """Draw the shadow of a robot on the floor under all poses."""
+    level = _level(poses)
     feet = [(np.zeros(3), r.carrier) for r in seen.pose.roots if r.kind.holds]
     for ends in feet + sticks(seen.pose):
         drawing.line([(*end[:2], level) for end in ends], "shadow", "shadow")

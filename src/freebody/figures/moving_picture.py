@@ -1,0 +1,72 @@
+"""A moving robot as one picture without script: drawings of its poses over each other, shown in
+turn by the style sheet, so that it moves wherever an SVG image may stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.figures.drawing import Drawing, Element, Label
+from freebody.figures.kinematic import robot_scene, tip_path
+from freebody.figures.layers import bare_robot
+from freebody.figures.snapshot import snapshot
+from freebody.figures.svg import Picture, alike
+from freebody.model.model import Model
+
+_RATE = 15.0
+"""Poses a second, as many as an eye takes for a motion."""
+_MOST = 75
+"""Poses of a motion; of a long one they are further apart in time."""
+_STYLE = (
+    ".pose{visibility:hidden;animation:pose %.9gs step-end infinite}"
+    ".pose:nth-of-type(1){visibility:visible}"
+    "@keyframes pose{0%%{visibility:visible}%.9g%%,100%%{visibility:hidden}}"
+    "@media (prefers-reduced-motion:reduce){.pose{animation:none}}"
+)
+"""Shows one pose after the other: the seconds of a round, and the share of a pose in per cent."""
+
+
+def moving_picture(
+    model: Model, t: Array, q: Array, path: Array | None, width: float, tallest: float
+) -> Picture:
+    """The picture of a robot that runs through a motion in its own time, again and again.
+
+    t: (k,), s. q: (k, nq). path: (k, dim), m, of the tip, or None. A reader who wants no motion, or
+    whose program shows none, sees the first pose.
+    """
+    seconds = float(t[-1] - t[0])
+    count = int(np.clip(round(_RATE * seconds), 2, _MOST))
+    instants = t[0] + seconds * np.arange(count) / count
+    poses = q[np.minimum(np.searchsorted(t, instants), len(t) - 1)]
+    still = np.zeros(model.nv)
+    seen = [snapshot(model, pose, still, still) for pose in poses]
+    size = max(one.size for one in seen)
+    seen = [replace(one, common_size=size) for one in seen]
+    shown = [one.pose for one in seen]
+    scene = robot_scene(shown, path, f"{model.name} in motion", size)
+    tip_path(scene, path)
+    moments = [Drawing(scene.view, scene.title) for _ in seen]
+    for moment, one in zip(moments, seen, strict=True):
+        if model.dim == 3:
+            bare_robot.shadow(moment, one, shown)
+        bare_robot.structure(moment, one)
+    resting = _everywhere(moments)
+    scene.add(*resting)
+    for moment in moments:
+        moment.elements = [
+            e for e in moment.elements if e not in resting and not isinstance(e, Label)
+        ]
+    below, *drawn = alike([scene, *moments], width, tallest)
+    frames = (
+        f'<g class="pose" style="animation-delay:{seconds * (k / count - 1.0):.4g}s">{one.body}</g>'
+        for k, one in enumerate(drawn)
+    )
+    style = f"<style>{_STYLE % (seconds, 100.0 / count)}</style>"
+    return Picture(style + below.body + "".join(frames), width, below.height, scene.title)
+
+
+def _everywhere(moments: list[Drawing]) -> list[Element]:
+    """The elements of the first drawing that all have: what does not move."""
+    return [e for e in moments[0].elements if all(e in moment.elements for moment in moments)]
