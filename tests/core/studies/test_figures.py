@@ -439,7 +439,7 @@ def test_figure_shows_and_saves_itself(diagram, tmp_path):
     assert diagram._repr_svg_() == diagram.svg
     path = diagram.save(tmp_path / "fbd.svg")
     assert rooted(path.read_text(encoding="utf-8")).tag.endswith("svg")
-    with pytest.raises(FreebodyError, match=r"'fbd.png' is not an .svg file"):
+    with pytest.raises(FreebodyError, match=r"'fbd.png' is not an .svg or .pdf file"):
         diagram.save(tmp_path / "fbd.png")
     with pytest.raises(
         FreebodyError, match=r"it has 2 drawings; take one of .drawings, or name a body"

@@ -56,13 +56,13 @@ def test_panels_are_chosen_by_their_titles_in_the_order_given(study):
 
 
 def test_what_is_not_there_is_refused_with_what_is(study, tmp_path):
-    with pytest.raises(UnknownNameError, match="no figure 'torque' in a study. Did you mean 'tor"):
+    with pytest.raises(UnknownNameError, match=r"no figure 'torque' in a study. Did you mean 'tor"):
         study.figure("torque")
-    with pytest.raises(UnknownNameError, match="no panel 'elbow' in the figure 'torques'. Panels"):
+    with pytest.raises(UnknownNameError, match=r"no panel 'elbow' in the figure 'torques'. Panels"):
         study.figure("torques", "elbow")
     with pytest.raises(FreebodyError, match="there is nothing to draw"):
         study.figure("lifting")
-    with pytest.raises(FreebodyError, match="is not an .svg or .pdf file"):
+    with pytest.raises(FreebodyError, match=r"is not an .svg or .pdf file"):
         study.figure("torques").save(tmp_path / "torques.png")
 
 

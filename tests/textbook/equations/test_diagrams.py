@@ -605,7 +605,7 @@ def test_derive_shows_values_on_pages_alone(tmp_path, capsys, monkeypatch):
         ),
         (["--q", "0.5"], "free_body_diagram: q has shape (1,)"),
         (["--body", "link3"], "no body 'link3' in '2R'."),
-        (["--out", "a.png"], "free_body_diagram: 'a.png' is not an .svg file"),
+        (["--out", "a.png"], "free_body_diagram: 'a.png' is not an .svg or .pdf file"),
     ],
 )
 def test_fbd_refuses_in_one_line(arguments, words, capsys, tmp_path, monkeypatch):
