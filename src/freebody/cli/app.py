@@ -17,6 +17,7 @@ from freebody.cli import (
     INTERRUPTED,
     calibrate,
     commands,
+    compare,
     convert,
     diff,
     doctor,
@@ -60,6 +61,7 @@ def _command(
 
 for _function, _example in (
     (study.study, study.EXAMPLE),
+    (compare.compare, compare.EXAMPLE),
     (plan.plan, plan.EXAMPLE),
     (size.size, size.EXAMPLE),
     (payload.payload, payload.EXAMPLE),

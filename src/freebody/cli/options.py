@@ -254,12 +254,12 @@ def again(context: typer.Context) -> str:
     return shlex.join(["freebody", *context.find_root().obj])
 
 
-def reading(*names: str, **refused: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def reading(*names: str, **refused: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A command with these options behind its own; its function finds them, with the names of the
     robots, in its arguments that are a `GivenRobot` or a list of such. refused: options of the load
     case that the command cannot use, and why."""
 
-    def decorated(command: Callable[..., None]) -> Callable[..., None]:
+    def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         own = signature(command, eval_str=True)
         options = [
             Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=default)
@@ -282,7 +282,7 @@ def reading(*names: str, **refused: str) -> Callable[[Callable[..., None]], Call
         }
 
         @wraps(command)
-        def run(**given: Any) -> None:
+        def run(**given: Any) -> Any:
             for name, reason in refused.items():
                 if given.pop(name):
                     raise FreebodyError(f"--{name}: {reason}")
@@ -294,7 +294,7 @@ def reading(*names: str, **refused: str) -> Callable[[Callable[..., None]], Call
                     if isinstance(text, str)
                     else [GivenRobot(one, how) for one in text]
                 )
-            command(**given)
+            return command(**given)
 
         parameters = {**own.parameters, **robots}
         vars(run)["__signature__"] = own.replace(parameters=[*parameters.values(), *options])

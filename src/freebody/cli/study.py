@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,6 +19,10 @@ from freebody.outputs.pdf import browser
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from freebody.design.duty_cycle import DutyCycle
+    from freebody.model.model import Model
+    from freebody.motion.motion import Motion
+    from freebody.motion.simulation.prepared_simulation import Progress
     from freebody.report.cycle_study import CycleStudy
     from freebody.report.results import Check
     from freebody.report.study import Study
@@ -31,6 +35,22 @@ _STYLES = {
 }
 """Styles by outcome, and whether there is nothing to mend."""
 
+GivenSmooth = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HZ",
+        help="Smooth a measured motion, without delay: a cutoff in Hz, "
+        "or auto to choose the cutoff from the noise.",
+    ),
+]
+GivenMeasured = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="A CSV file of the torques that were measured during the motion, shown beside the "
+        "computed ones: t (s) and the joints (N m, N).",
+    ),
+]
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
@@ -43,22 +63,8 @@ def study(
         Path | None,
         typer.Option(metavar="DIR", help="Folder for report and data. Default: study-ROBOT."),
     ] = None,
-    smooth: Annotated[
-        str | None,
-        typer.Option(
-            metavar="HZ",
-            help="Smooth a measured motion, without delay: a cutoff in Hz, "
-            "or auto to choose the cutoff from the noise.",
-        ),
-    ] = None,
-    measured: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A CSV file of the torques that were measured during the motion, shown beside the "
-            "computed ones: t (s) and the joints (N m, N).",
-        ),
-    ] = None,
+    smooth: GivenSmooth = None,
+    measured: GivenMeasured = None,
     catalogue: fitted_parts.GivenCatalogue = None,
     brake: fitted_parts.GivenBrakes = None,
     bearing: fitted_parts.GivenBearings = None,
@@ -87,9 +93,8 @@ def study(
     with terminal.progress("reading") as progress:
         from freebody.design.duty_cycle import DutyCycle
         from freebody.report.study import Study
-        from freebody.report.study import study as study_of
 
-        cutoff = _cutoff(smooth)
+        _cutoff(smooth)  # refused before anything is computed
         figures = [_figure(given) for given in figure or ()]
         if pdf is not None:
             browser()  # refused before anything is computed
@@ -101,16 +106,10 @@ def study(
                 "--figure is for one motion, and this is a duty cycle; in Python "
                 "study(...).segments[0].figure(...) is that of a segment."
             )
-        found = study_of(
-            model,
-            given,
-            wrenches=robot.wrenches(model),
-            smooth=cutoff,
-            speed=robot.speed,
-            measured=measured,
-            **fitted_parts.read(catalogue, brake, bearing),
-            progress=lambda text, done: progress(text, 0.7 * done),
-        )
+        found = computed(
+            robot, model, given, smooth, measured, fitted_parts.read(catalogue, brake, bearing),
+            lambda text, done: progress(text, 0.7 * done),
+        )  # fmt: skip
         found = replace(found, command=options.again(context))
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
@@ -129,6 +128,25 @@ def study(
         raise failure
     if found.finding:
         raise typer.Exit(1)
+
+
+def computed(
+    robot: options.GivenRobot, model: Model, motion: DutyCycle | Motion | None,
+    smooth: str | None, measured: Path | None, parts: dict[str, Any], progress: Progress,
+) -> Study | CycleStudy:  # fmt: skip
+    """The study of a robot as the options of the command say."""
+    from freebody.report.study import study as study_of
+
+    return study_of(
+        model,
+        motion,
+        wrenches=robot.wrenches(model),
+        smooth=_cutoff(smooth),
+        speed=robot.speed,
+        measured=measured,
+        **parts,
+        progress=progress,
+    )
 
 
 def _figure(given: str) -> tuple[str, Path]:

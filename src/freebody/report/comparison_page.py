@@ -1,0 +1,122 @@
+"""The page of a comparison: what differs, the verdicts, what the drives have to give, and their
+curves over each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import listed
+from freebody.figures.plots import Plot, plot
+from freebody.report.comparison import (
+    QUANTITIES,
+    Compared,
+    Comparison,
+    DriveRow,
+    Given,
+    effort_limit,
+)
+from freebody.report.page import filled
+from freebody.report.page_figures import CaptionedDrawing, robot
+from freebody.report.study import Study
+from freebody.report.tables import Cell, Head, ReportTable, WordsCell, table, typeset
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_CONTENTS = (
+    ("differences", "What differs"),
+    ("verdicts", "Verdicts"),
+    ("drives", "Drives"),
+    ("robots", "Robots"),
+    ("torques", "Torques"),
+    ("speeds", "Speeds"),
+    ("power", "Power"),
+)
+
+
+def comparison_page(found: Comparison) -> str:
+    """The HTML text of a comparison's page."""
+    pairs = list(zip(found.names, found.studies, strict=True))
+    alike = [one.title for one in QUANTITIES if found.alike(one)]
+    return filled(
+        "comparison.html",
+        found=found,
+        contents=_CONTENTS,
+        math_style="",
+        differences=_words("What differs", found, found.differences),
+        answers=_words("What each can do on its path", found, found.answers),
+        verdicts=pairs,
+        robots=[(name, robot(study)) for name, study in pairs],
+        drives=[_drives(found, one) for one in QUANTITIES if one.title not in alike],
+        alike=listed(alike),
+        torques=list(_over_time(found, "tau", "effort_unit", limited=True)),
+        speeds=list(_over_time(found, "qd", "unit", suffix="/s")),
+        power=_power(found),
+    )
+
+
+def _words(caption: str, found: Comparison, given: Sequence[Given]) -> ReportTable:
+    """A table of words, a column a study."""
+    subjects = [WordsCell(one.what, strong=True) for one in given]
+    columns = [[WordsCell(typeset(one.each[k])) for one in given] for k in range(len(found.names))]
+    return table(caption, _heads(found), [subjects, *columns])
+
+
+def _heads(found: Comparison, numbers: bool = False) -> list[Head]:
+    return [Head("", number=False), *(Head(name, number=numbers) for name in found.names)]
+
+
+def _drives(found: Comparison, quantity: Compared) -> ReportTable:
+    """The table of one quantity of all drives."""
+    texts = [found.texts(quantity, row) for row in found.drives]
+    names: list[Cell] = [WordsCell(row.name, strong=True) for row in found.drives]
+    columns: list[list[Cell]] = [
+        [WordsCell(typeset(one), css="n") for one in column] for column in zip(*texts, strict=True)
+    ]
+    title = quantity.title[0].upper() + quantity.title[1:]
+    return table(title, _heads(found, numbers=True), [names, *columns])
+
+
+def _over_time(
+    found: Comparison, variable: str, unit: str, suffix: str = "", limited: bool = False
+) -> Iterator[CaptionedDrawing]:
+    """Plots of a variable of each drive, a curve a study."""
+
+    def values(study: Study, drive: str) -> Array:
+        return study.data[variable].sel(coordinate=drive).values
+
+    for row in found.drives:
+        units = {
+            str(study.data[unit].sel(coordinate=drive).values)
+            for study, drive in _having(found, row)
+        }
+        if len(units) > 1:
+            continue  # a turn beside a slide: no one axis has both
+        limits = {effort_limit(study, drive) for study, drive in _having(found, row)}
+        same = limited and len(limits) == 1 and np.isfinite(next(iter(limits)))
+        bounds = (-min(limits), min(limits)) if same else ()
+        yield _plot(found, row, row.name, units.pop() + suffix, values, bounds)
+
+
+def _having(found: Comparison, row: DriveRow) -> list[tuple[Study, str]]:
+    return [pair for pair in zip(found.studies, row.of, strict=True) if pair[1]]
+
+
+def _power(found: Comparison) -> list[CaptionedDrawing]:
+    """The plot of the power of all drives together, a curve a study."""
+    every = DriveRow("Power of all drives", ("all",) * len(found.studies))
+    return [_plot(found, every, every.name, "W", lambda study, _: study.data["motor_power"].values)]
+
+
+def _plot(
+    found: Comparison, row: DriveRow, title: str, unit: str,
+    values: Callable[[Study, str], Array], limits: tuple[float, ...] = (),
+) -> CaptionedDrawing:  # fmt: skip
+    t, curves = found.over_time(row, values)
+    colours = {name: k for k, name in enumerate(found.names)}
+    what = Plot(title, t, curves, unit, limits, peaks=False, colours=colours)
+    return CaptionedDrawing(plot(what), plot=what)
