@@ -29,6 +29,7 @@ from freebody.cli import (
     show,
     simulate,
     size,
+    studio,
     study,
     sweep,
     terminal,
@@ -60,6 +61,7 @@ def _command(
 
 for _function, _example in (
     (study.study, study.EXAMPLE),
+    (studio.studio, studio.EXAMPLE),
     (plan.plan, plan.EXAMPLE),
     (size.size, size.EXAMPLE),
     (payload.payload, payload.EXAMPLE),
