@@ -1,13 +1,13 @@
 // The robot under the reader's hand: joints dragged, the tip pulled, ellipsoids of its speeds and forces.
 
-const GRIP = 16, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6;
+const GRIP = 16, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6, LEAST = 400;  // pixels squared for each radian or metre squared
 class Bench extends Stage {
   // act.joint(joint, position) and act.tip(place) move the robot.
   constructor(canvas, svg, studio, state, act) {
     super(canvas, svg, studio.scene, studio.bodies, kernels.placed);
     Object.assign(this, {studio, state, act, ellipsoid: "", shown: true});
     this.oval = this.mark("path", "");
-    this.handle = studio.tip ? this.mark("circle", "handle") : null;
+    this.handle = studio.arm ? this.mark("circle", "handle") : null;
     if (this.handle) this.handle.setAttribute("r", 9);
     const box = canvas.parentElement;
     for (const [type, does] of [["pointerdown", "grab"], ["pointermove", "drag"], ["pointerup", "release"], ["pointercancel", "release"]]) box.addEventListener(type, (event) => this[does](event), true);
@@ -65,7 +65,7 @@ class Bench extends Stage {
     if (!this.shown || event.shiftKey || this.held) return;
     if (this.handle) {
       const [a, b] = this.spot(this.scene.tip);
-      if (Math.hypot(x - a, y - b) < GRIP && kernels.pulled) this.held = {from: [x, y], place: inWorld(this.frames, this.scene.tip)};
+      if (Math.hypot(x - a, y - b) < GRIP) this.held = {from: [x, y], place: inWorld(this.frames, this.scene.tip)};
     }
     this.held ||= this.picked(x, y);
     if (!this.held) return;  // the view is turned
@@ -77,18 +77,39 @@ class Bench extends Stage {
   }
   // What is nearest to the viewer under a point of the page: the joint that carries it, and the place.
   picked(x, y) {
-    const {camera, fine, studio} = this, scale = camera.scale * camera.zoom / fine;
+    const {camera, fine} = this, scale = camera.scale * camera.zoom / fine;
     let best = null;
     for (const [role, first, second, radius] of this.scene.solids) {
       if (role.length < 2) continue;
       const [a, b] = [first, second].map((end) => inWorld(this.frames, end)), [p, s] = [a, b].map((place) => camera.seen(place)), way = [0, 1].map((k) => (s[k] - p[k]) / fine);
       const along = Math.min(Math.max(((x - p[0] / fine) * way[0] + (y - p[1] / fine) * way[1]) / (way[0] ** 2 + way[1] ** 2 || 1), 0), 1);
       const far = Math.hypot(x - p[0] / fine - along * way[0], y - p[1] / fine - along * way[1]), depth = p[2] + along * (s[2] - p[2]);
-      const frame = (along < 0.5 ? first : second)[0], joint = frame ? studio.joints[studio.carried[frame - 1]] : undefined;
-      if (far > radius * scale + 3 || !joint || (best && depth <= best.depth)) continue;
-      best = {depth, joint, local: this.local(frame, a.map((c, k) => c + along * (b[k] - c)))};
+      if (far > radius * scale + 3 || (best && depth <= best.depth)) continue;
+      best = {depth, local: this.local((along < 0.5 ? first : second)[0], a.map((c, k) => c + along * (b[k] - c)))};
     }
-    return best;
+    const joint = best && this.mover(best.local);
+    return joint ? {joint, local: best.local} : null;
+  }
+  // The joint nearest to a place of the robot that moves it across the view; undefined without one.
+  mover(local) {
+    const {joints, carried, parents} = this.studio;
+    for (let body = local[0] - 1; body >= 0; body = parents[body]) {
+      const joint = joints[carried[body]];
+      if (joint && this.slope(joint, local, this.state.q[joint.at]).square >= LEAST) return joint;
+    }
+    return undefined;
+  }
+  // Where a place of the robot is on the page with a joint at a position, and how it moves with that.
+  slope(joint, local, value) {
+    const [at, next] = [value, value + TINY].map((x) => {
+      const trial = Float64Array.from(this.state.q);
+      trial[joint.at] = x;
+      this.place(trial, this.own);
+      return this.spot(local);
+    });
+    this.place(this.state.q, this.own);
+    const d = [0, 1].map((i) => (next[i] - at[i]) / TINY);
+    return {at, d, square: d[0] ** 2 + d[1] ** 2};
   }
   // A place of the world as one that is fixed in a frame.
   local(frame, place) {
@@ -108,16 +129,10 @@ class Bench extends Stage {
   }
   // Turns the grabbed joint until the grabbed place is as near to the pointer as it comes.
   follow({joint, local}, x, y) {
-    const {q} = this.state, seen = (value) => {
-      const trial = Float64Array.from(q);
-      trial[joint.at] = value;
-      this.place(trial, this.own);
-      return this.spot(local);
-    };
-    let value = q[joint.at];
+    let value = this.state.q[joint.at];
     for (let k = 0; k < 6; k++) {
-      const at = seen(value), next = seen(value + TINY), d = [0, 1].map((i) => (next[i] - at[i]) / TINY), square = d[0] ** 2 + d[1] ** 2;
-      if (square < 25) break;  // it moves along the line of sight
+      const {at, d, square} = this.slope(joint, local, value);
+      if (square < LEAST) break;
       value += Math.min(Math.max(((x - at[0]) * d[0] + (y - at[1]) * d[1]) / square, -0.5), 0.5);
     }
     this.act.joint(joint, value);

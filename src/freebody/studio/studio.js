@@ -24,6 +24,7 @@ class Studio {
     this.on("load", "input", (field) => this.change(() => { state.mass = Number(field.value); }));
     this.on("ellipsoid", "change", (field) => { this.bench.ellipsoid = field.value; this.show(); });
     this.on("drives", "change", (field) => { this.run.law = field.value; this.run.begin(); });
+    this.on("stops", "change", (field) => { this.run.stops = field.checked; });
     this.on("run", "click", () => this.running(!this.run.on));
     this.on("first", "click", () => this.change(() => { state.q.set(studio.q0); state.qd.fill(0); }));
     this.on("still", "click", () => this.change(() => state.qd.fill(0)));
@@ -94,9 +95,9 @@ class Studio {
       slider.setAttribute("aria-valuetext", words);
       value.textContent = words;
       value.classList.toggle("over", at < (joint.low ?? -Infinity) - CLOSE || at > (joint.high ?? Infinity) + CLOSE);
-      torque.textContent = `${significant(tau[rate])} ${unit}${driven.includes(rate) ? "" : ", which nothing gives"}`;
-      const used = effort === null ? 0 : Math.abs(tau[rate]) / effort;
-      share.textContent = effort === null ? "no limit" : `${significant(100 * used)} %`;
+      const passive = !driven.includes(rate), used = effort === null ? 0 : Math.abs(tau[rate]) / effort;
+      torque.textContent = passive && Math.abs(tau[rate]) < CLOSE * largestOf(tau) ? "passive" : `${significant(tau[rate])} ${unit}${passive ? " is missing" : ""}`;
+      share.textContent = effort === null ? "no limit" : `${significant(100 * used)} % of ${significant(effort)} ${unit}`;
       share.classList.toggle("over", used > 1 + CLOSE);
     }
   }

@@ -28,6 +28,7 @@ from freebody.moving.scene import Scene, scene
 from freebody.outputs.number_text import significant
 from freebody.outputs.page_script import joined, packed
 from freebody.report.page import filled, source
+from freebody.report.tables import shortened
 from freebody.report.what_if import round_up
 from freebody.studio.kernels import Studied, kernels
 from freebody.studio.page_kernel import PageKernel
@@ -37,7 +38,9 @@ from freebody.trees.public_calls import single_vector
 
 _FILES = ("proof.js", "state.js", "bench.js", "run.js", "studio.js")
 _POSES = 24
-"""Poses that the first view holds."""
+"""Poses that the first view is chosen for."""
+_CLOSER = 0.8
+"""Of the box around them: few poses are at its edges."""
 _STILL = (560.0, 480.0)  # of the drawing without scripts, pixels
 _CONTENTS = ("robot", "Robot"), ("joints", "Joints"), ("state", "State"), ("method", "Method")
 
@@ -72,9 +75,9 @@ class SlidJoint:
     @property
     def range(self) -> str:
         """The limits in print."""
-        unit, scale = ("°", 180.0 / math.pi) if self.turns else ("m", 1.0)
+        unit, scale = ("°", 180.0 / math.pi) if self.turns else (" m", 1.0)
         low, high = (
-            "no limit" if x is None else f"{significant(scale * x)} {unit}"
+            "no limit" if x is None else f"{significant(scale * x)}{unit}"
             for x in (self.low, self.high)
         )
         return low if low == high == "no limit" else f"{low} to {high}"
@@ -132,6 +135,7 @@ class StudioPage:
             "q0": self.q.tolist(),
             "joints": [joint.data for joint in self.joints],
             "carried": self._carried(),
+            "parents": [body.parent for body in model.bodies],
             "driven": list(model.driven),
             "tip": robot.tip,
             "arm": robot.arm,
@@ -151,13 +155,15 @@ class StudioPage:
         return [sliders.get(k, -1) for k in first]
 
     def _scene(self) -> Scene:
-        """The robot as solids in a view that holds all that an open chain reaches, on the floor
+        """The robot as solids in a view that holds most of what an open chain reaches, on the floor
         that its first pose stands on."""
         first = scene(self.model, self.q[None])
         if self.model.loops:
             return first
         q, _, _ = random_state(self.model, 0, _POSES - 1)
-        return replace(scene(self.model, np.vstack([self.q, q])), level=first.level)
+        wide = scene(self.model, np.vstack([self.q, q]))
+        middle = wide.box.mean(axis=0)
+        return replace(wide, box=middle + _CLOSER * (wide.box - middle), level=first.level)
 
     @property
     def script(self) -> str:
@@ -181,6 +187,7 @@ class StudioPage:
             scripts=(self.script,),
             model=model,
             joints=self.joints,
+            names=shortened([joint.name for joint in self.joints]),
             robot=robot,
             page=self,
             still=picture(robot_drawing(model, self.q), *_STILL).text(css=False),
@@ -190,6 +197,7 @@ class StudioPage:
             spare=robot.arm and model.nv > len(robot.rows) > 0,
             dissipates=without_friction(model) != model,
             followed=followers(model) is not None,
+            limited=any(joint.range != "no limit" for joint in self.joints),
             unslid=model.nq - len(self.joints),
             doubts=[str(notice) for notice in readings(model)],
             step=STEP,
