@@ -13,6 +13,7 @@ from freebody.algorithms.crba import factor
 from freebody.algorithms.kinematics import jacobian
 from freebody.algorithms.loop_constraints import onto_loops
 from freebody.algorithms.singular_values import singular_values
+from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.problem.numerical_solver import DescentStep, NumericalSolver
 from freebody.inverse.problem.task import Task, row_names
@@ -31,6 +32,7 @@ from freebody.ways_out.kernel import QuantityRequest, requested
 
 LOAD = "further_load"
 _UNBOUNDED = 1e6  # rad or m: no limit, in kernels, whose numbers are finite
+_STILL = 1e-9  # m or rad for each unit of a coordinate that does not move the tip
 _LARGE = 10
 """Coordinates beyond which a step of four accelerations is too long for a page."""
 
@@ -64,13 +66,22 @@ class Studied:
         of its motion that the joints can give in a generic pose; empty where they give less than
         its position or its orientation."""
         d = self.model.dim
-        six = 6 if d == 3 else 3
-        q, _, _ = random_state(self.model, 0)
-        J = np.array(jacobian(self.model.tree, tuple(q.tolist()), str(self.tip)))
+        six, J = 6 if d == 3 else 3, self._jacobian
         for rows in (range(six), range(d), range(d, six)):
             if len(rows) > 1 and np.linalg.matrix_rank(J[list(rows)], rtol=1e-9) == len(rows):
                 return tuple(rows)
         return ()
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """The coordinates that move the tip in the counted rows."""
+        return tuple(np.flatnonzero(np.abs(self._jacobian[list(self.rows)]).max(axis=0) > _STILL))
+
+    @cached_property
+    def _jacobian(self) -> Array:
+        """The tip's Jacobian in a generic pose."""
+        q, _, _ = random_state(self.model, 0)
+        return np.array(jacobian(self.model.tree, tuple(q.tolist()), str(self.tip)))
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -172,8 +183,9 @@ def _descent(name: str, whole: bool) -> Callable[[Studied], Program | None]:
         if not robot.arm:
             return None
         solver, model, allowed = robot.solver(rows), robot.model, ranges(robot.model)
-        limits = tuple(map(float, np.maximum(allowed.lower, -_UNBOUNDED))), tuple(
-            map(float, np.minimum(allowed.upper, _UNBOUNDED))
+        limits = (
+            tuple(map(float, np.maximum(allowed.lower, -_UNBOUNDED))),
+            tuple(map(float, np.minimum(allowed.upper, _UNBOUNDED))),
         )
         step = DescentStep(model.tree, solver.frame, rows, tuple(solver.columns))
         scales = 1.0 / solver.length, 1.0

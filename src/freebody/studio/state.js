@@ -61,7 +61,7 @@ class State {
   branches() {
     const target = Float64Array.from(this.look().T), {joints, whole} = this.studio, found = [];
     const add = (q) => {
-      if (found.every((other) => joints.some((joint) => apart(joint, q[joint.at], other[joint.at]) > APART))) found.push(q);
+      if (found.every((other) => joints.some((joint) => joint.moves && apart(joint, q[joint.at], other[joint.at]) > APART))) found.push(q);
     };
     if (kernels.branches) {
       const [all, valid] = kernels.branches(target), size = this.q.length;
@@ -72,15 +72,17 @@ class State {
     const chance = chances(1);
     for (let k = 0; k < RESTARTS && found.length < 9; k++) {
       const start = Float64Array.from(this.q);
-      for (const joint of joints) start[joint.at] = joint.ends[0] + chance() * (joint.ends[1] - joint.ends[0]);
+      for (const joint of joints) if (joint.moves) start[joint.at] = joint.ends[0] + chance() * (joint.ends[1] - joint.ends[0]);
       const {q, left} = this.reached(start, target, whole);
       if (left < 1e-9) add(q);
     }
     return found;
   }
-  // Angles brought by whole turns into the joints' limits, where that can be.
+  // A branch with angles brought by whole turns into the joints' limits, where that can be; joints that do
+  // not matter stay.
   turnedInto(q) {
-    for (const {at, turns, low, high} of this.studio.joints) {
+    for (const {at, turns, low, high, moves} of this.studio.joints) {
+      if (!moves) q[at] = this.q[at];
       if (!turns || low === null || high === null) continue;
       const around = [0, 2 * Math.PI, -2 * Math.PI].map((turn) => q[at] + turn).find((x) => x >= low && x <= high);
       if (around !== undefined) q[at] = around;

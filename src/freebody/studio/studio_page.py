@@ -57,6 +57,8 @@ class SlidJoint:
     low: float | None
     high: float | None
     effort: float | None
+    moves: bool
+    """Whether it moves the tip in the rows that count."""
 
     @property
     def data(self) -> dict[str, Any]:
@@ -104,6 +106,7 @@ class StudioPage:
     def joints(self) -> list[SlidJoint]:
         """The coordinates that have a slider: all but those of quaternions."""
         model, allowed, efforts = self.model, ranges(self.model), effort_limits(self.model)
+        moving = self.robot.moving if self.robot.arm and self.robot.rows else range(model.nv)
 
         def number(x: float) -> float | None:
             return float(x) if math.isfinite(x) else None
@@ -112,6 +115,7 @@ class StudioPage:
             SlidJoint(
                 model.velocity_names[k], int(at), int(k), bool(allowed.turns[k]),
                 number(allowed.lower[k]), number(allowed.upper[k]), number(efforts[k]),
+                k in moving,
             )
             for at, k in zip(*position_columns(model), strict=True)
         ]  # fmt: skip
