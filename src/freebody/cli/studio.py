@@ -36,8 +36,8 @@ def studio(
         bool, typer.Option("--open/--no-open", help="Open the page in the browser.")
     ] = True,
 ) -> None:
-    """Write a page in which the robot is moved by hand, and open it: joints and tip dragged, torques
-    that hold it, singular poses, a simulation from where it stands."""
+    """Write a page in which the robot is moved by hand, and open it: joints and tip dragged, the
+    torques that hold it, singular poses, a simulation from where it stands."""
     model = robot.load()
     with terminal.progress("studio"):
         from freebody.studio.studio_page import studio_page

@@ -75,7 +75,8 @@ class Studied:
     @property
     def moving(self) -> tuple[int, ...]:
         """The coordinates that move the tip in the counted rows."""
-        return tuple(np.flatnonzero(np.abs(self._jacobian[list(self.rows)]).max(axis=0) > _STILL))
+        largest = np.abs(self._jacobian[list(self.rows)]).max(axis=0)
+        return tuple(np.flatnonzero(largest > _STILL).tolist())
 
     @cached_property
     def _jacobian(self) -> Array:

@@ -108,7 +108,7 @@ class StudioPage:
         model, allowed, efforts = self.model, ranges(self.model), effort_limits(self.model)
         moving = self.robot.moving if self.robot.arm and self.robot.rows else range(model.nv)
 
-        def number(x: float) -> float | None:
+        def number(x: Any) -> float | None:
             return float(x) if math.isfinite(x) else None
 
         return [

@@ -21,7 +21,8 @@ ROBOTS = ("2R", "five_bar", *(pytest.param(x, marks=pytest.mark.long) for x in (
 STAND = """page.change(() => {
   page.state.q.set(arguments[0]); page.state.qd.set(arguments[1]); page.state.mass = arguments[2];
 })"""
-TOLD = """const state = page.state, look = page.studio.arm ? state.look() : {T: [], J: [], sizes: []};
+TOLD = """const {state, studio} = page, none = {T: [], J: [], sizes: []};
+const look = studio.arm ? state.look() : none;
 return [[...state.held()], state.energy(), [...look.T], [...look.J], [...look.sizes]]"""
 STATE = "return [[...page.state.q], [...page.state.qd]]"
 PLACE = """const box = document.getElementById('canvas').getBoundingClientRect();
