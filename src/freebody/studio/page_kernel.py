@@ -3,7 +3,7 @@ proves itself by them before it offers anything."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,7 +50,3 @@ class PageKernel:
 def _rows(argument: Argument, values: Array) -> Array:
     """Values of an argument, a row for each state."""
     return np.asarray(values, dtype=float).reshape(-1, argument.size)
-
-
-Given = Callable[..., tuple[Any, ...]]
-"""A function of the scalars of a program's inputs, which returns those of its outputs."""

@@ -13,16 +13,21 @@ from freebody.studio.kernels import Studied
 from freebody.studio.page_kernel import PageKernel
 from freebody.trees.positions import random_state
 
+KernelStates = dict[str, Array]
+"""Values (count, ...) of inputs by name."""
+
 STEP = 1e-3
-"""s, of a page's simulation."""
+"""The length of a step of a page's simulation, s."""
 DAMPING = 1e-3
-"""Of a descent's first step."""
+"""The damping of a descent's first step."""
 _COUNT = 5
 _SHAKEN, _PUSHES = 5e-3, 12  # s and steps, by which a closed chain leaves its home
 _SEED = 35
 
 
-def states(robot: Studied, q0: Array, heaviest: float, made: Mapping[str, PageKernel]) -> Inputs:
+def states(
+    robot: Studied, q0: Array, heaviest: float, made: Mapping[str, PageKernel]
+) -> KernelStates:
     """The inputs of all kernels by name, several values each.
 
     q0: where the robot stands first (nq,). heaviest: the largest load of the page's slider, kg.
@@ -30,7 +35,7 @@ def states(robot: Studied, q0: Array, heaviest: float, made: Mapping[str, PageKe
     model, rng = robot.model, np.random.default_rng(_SEED)
     q, qd, _ = random_state(model, _SEED, _COUNT)
     tau = rng.uniform(-1.0, 1.0, (_COUNT, model.nv)) * model.mass
-    given: Inputs = {
+    given: KernelStates = {
         "tau": tau,
         "h": np.full(_COUNT, STEP),
         "p": rng.uniform(0.0, heaviest, (_COUNT, 1)),
@@ -45,13 +50,12 @@ def states(robot: Studied, q0: Array, heaviest: float, made: Mapping[str, PageKe
     return given
 
 
-Inputs = dict[str, Array]
-"""Values (count, ...) of inputs by name."""
-
-
-def _shaken(model: Model, q0: Array, given: Inputs, step: PageKernel) -> tuple[Array, Array]:
-    """States of a closed chain some steps after it was at rest at q0, under torques."""
+def _shaken(model: Model, q0: Array, given: KernelStates, step: PageKernel) -> tuple[Array, Array]:
+    """States of a closed chain some steps after it was at rest at q0, under torques, or as far as
+    it came on the way to singular positions, where there is no step."""
     q, qd = np.tile(q0, (_COUNT, 1)), np.zeros((_COUNT, model.nv))
     for _ in range(_PUSHES):
-        q, qd = step({**given, "q": q, "qd": qd, "h": np.full(_COUNT, _SHAKEN)})
+        q1, qd1 = step({**given, "q": q, "qd": qd, "h": np.full(_COUNT, _SHAKEN)})
+        goes = np.isfinite(q1).all(axis=-1, keepdims=True)
+        q, qd = np.where(goes, q1, q), np.where(goes, qd1, qd)
     return q, qd

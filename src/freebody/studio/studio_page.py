@@ -40,7 +40,7 @@ _FILES = ("proof.js", "state.js", "bench.js", "run.js", "studio.js")
 _POSES = 24
 """Poses that the first view is chosen for."""
 _CLOSER = 0.8
-"""Of the box around them: few poses are at its edges."""
+"""The share of the box around them that is seen: few poses are at its edges."""
 _STILL = (560.0, 480.0)  # of the drawing without scripts, pixels
 _CONTENTS = ("robot", "Robot"), ("joints", "Joints"), ("state", "State"), ("method", "Method")
 
@@ -153,7 +153,7 @@ class StudioPage:
         }
 
     def _carried(self) -> list[int]:
-        """Of each body the slider that moves the joint it hangs on; -1 without one."""
+        """The slider, for each body, that moves the joint it hangs on; -1 without one."""
         sliders = {joint.rate: k for k, joint in enumerate(self.joints)}
         first = (at.v[0] if at.v else -1 for at in self.model.coordinates)
         return [sliders.get(k, -1) for k in first]

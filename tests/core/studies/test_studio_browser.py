@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.studio.studio_page import studio_page  # the command's page, of models made here
 from support.browser import browser
+from support.command import run
 
 pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("numpy_kernels")]
 
@@ -53,7 +53,7 @@ def model(request):
 @pytest.fixture(scope="module")
 def path(model, tmp_path_factory):
     path = tmp_path_factory.mktemp("studio") / "index.html"
-    path.write_text(studio_page(model), encoding="utf-8")
+    assert run(["studio", model.name, "--no-open", "--out", str(path)]) == 0
     return path
 
 
@@ -131,12 +131,12 @@ def test_the_simulation_is_that_of_python(model, page):
     method = page.find_element("css selector", "#method").text.partition("method “")[2]
     method = method.partition("”")[0]
     t = 1e-3 * np.arange(count + 1)
-    run = fb.simulate(model, q, qd, t, method=method)
-    end = np.concatenate([run.q.values[-1], run.qd.values[-1]])
+    simulated = fb.simulate(model, q, qd, t, method=method)
+    end = np.concatenate([simulated.q.values[-1], simulated.qd.values[-1]])
     assert np.abs(found - end).max() < 1e-6 * max(np.abs(end).max(), 1.0)
     gained = page.execute_script("return page.run.gained")
     if method == "rk4":  # without friction nothing is lost
-        assert abs(gained) < 1e-4 * np.abs(run.kinetic_energy.values).max()
+        assert abs(gained) < 1e-4 * np.abs(simulated.kinetic_energy.values).max()
     else:
         assert gained < 0.0
 
@@ -156,9 +156,9 @@ def test_limits_stop_joints_as_in_python(model, page):
     found = np.array(page.execute_script(STATE)[0])
     stopped = replace(model, bodies=tuple(bodies))
     t = 2e-3 * np.arange(101)
-    run = fb.simulate(stopped, q, qd, t, method="rk4", restitution=0.0)
-    assert np.abs(run.q.values).max() > 1.0 - 1e-9
-    assert np.abs(found - run.q.values[-1]).max() < 5e-3
+    simulated = fb.simulate(stopped, q, qd, t, method="rk4", restitution=0.0)
+    assert np.abs(simulated.q.values).max() > 1.0 - 1e-9
+    assert np.abs(found - simulated.q.values[-1]).max() < 5e-3
 
 
 def test_drives_that_carry_the_weight_keep_the_robot_where_it_is(model, page):
