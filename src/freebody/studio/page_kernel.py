@@ -49,4 +49,4 @@ class PageKernel:
 
 def _rows(argument: Argument, values: Array) -> Array:
     """Values of an argument, a row for each state."""
-    return np.asarray(values, dtype=float).reshape(-1, argument.size)
+    return np.asarray(values, dtype=float).reshape(len(values), argument.size)
