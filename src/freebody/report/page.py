@@ -151,11 +151,14 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, and notices on how the file was read, without the file's
-    folder."""
-    read = readings(study.model)
-    short = [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
-    return {"findings": list(study.warnings), "reading": short}
+    """Findings about the motion, and notices on how the file was read."""
+    return {"findings": list(study.warnings), "reading": how_read(study.model)}
+
+
+def how_read(model: Model) -> list[str]:
+    """Notices on how a robot's file was read, without the file's folder."""
+    read = readings(model)
+    return [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
 
 
 def source(model: Model) -> tuple[str, str]:

@@ -18,7 +18,8 @@ from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
-from freebody.model.doubts import readings
+from freebody.model.doubt_rules.aspects import ALL
+from freebody.model.doubts import capital, doubts_used
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.motion.ranges import position_columns, ranges
@@ -27,12 +28,12 @@ from freebody.moving.renderer import renderer
 from freebody.moving.scene import Scene, scene
 from freebody.outputs.number_text import significant
 from freebody.outputs.page_script import joined, packed
-from freebody.report.page import filled, source
+from freebody.report.page import filled, how_read, source
 from freebody.report.tables import shortened
 from freebody.report.what_if import round_up
 from freebody.studio.kernels import Studied, kernels
 from freebody.studio.page_kernel import PageKernel
-from freebody.studio.states import DAMPING, STEP, states
+from freebody.studio.states import COUNT, DAMPING, STEP, states
 from freebody.trees.positions import random_state
 from freebody.trees.public_calls import single_vector
 
@@ -203,7 +204,9 @@ class StudioPage:
             followed=followers(model) is not None,
             limited=any(joint.range != "no limit" for joint in self.joints),
             unslid=model.nq - len(self.joints),
-            doubts=[str(notice) for notice in readings(model)],
+            doubts=[capital(doubt.text) for doubt in doubts_used(model, *ALL)],
+            readings=how_read(model),
+            proven=COUNT,
             step=STEP,
             contents=_CONTENTS,
             math_style="",

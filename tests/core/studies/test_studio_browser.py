@@ -284,3 +284,4 @@ def test_without_scripts_it_is_a_drawing_and_a_table_of_limits(model, path, chro
     assert "asks the network for nothing" in text
     assert "no limit" in text or "°" in text
     assert "Simulate" not in text
+    assert "load at" not in text
