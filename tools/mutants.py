@@ -155,9 +155,10 @@ AREAS = (
     ),
     Area(
         "figures",
-        ("figures/**/*.py", "moving/*.py", "freebody_textbook/living/*.py"),
+        ("figures/**/*.py", "moving/*.py", "studio/*.py",
+         "freebody_textbook/living/*.py"),
         ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams",
-         "moving_page_browser"),
+         "moving_page_browser", "studio_browser"),
     ),
     Area(
         "derivations",

@@ -109,6 +109,8 @@ KNOWN = {
         "freebody_notes/derivation_places.py",
         "eval",
     ): "calls that stand in freebody_notes; held to that below",
+    ("cli/studio.py", "webbrowser"): "the address of a page that freebody has just written, whose "
+    "policy lets its own script alone run",
     ("report/page.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
     ("freebody_notes/page.py", "Markup"): "formulas and drawings of the notes' own items",

@@ -30,6 +30,7 @@ from freebody.cli import (
     show,
     simulate,
     size,
+    studio,
     study,
     sweep,
     terminal,
@@ -62,6 +63,7 @@ def _command(
 for _function, _example in (
     (study.study, study.EXAMPLE),
     (compare.compare, compare.EXAMPLE),
+    (studio.studio, studio.EXAMPLE),
     (plan.plan, plan.EXAMPLE),
     (size.size, size.EXAMPLE),
     (payload.payload, payload.EXAMPLE),

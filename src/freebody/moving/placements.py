@@ -8,7 +8,7 @@ from typing import Any
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.model.model import Model
-from freebody.program import Argument, trace
+from freebody.program import Argument, Program, trace
 from freebody.targets.text import LANGUAGES, SourceUnit
 
 NAME = "placed"
@@ -20,6 +20,11 @@ SIZE = 12
 def placements(model: Model) -> str:
     """JavaScript text of a function from q (nq,) to the placements of all bodies, each with twelve
     numbers in world axes; those of the plane lie in z = 0."""
+    return LANGUAGES["javascript-script"].emit(SourceUnit(placement_program(model), NAME))
+
+
+def placement_program(model: Model) -> Program:
+    """The program behind `placements`."""
     tree = model.tree
 
     def placed(q: Sequence[Any]) -> tuple[list[Any]]:
@@ -28,8 +33,7 @@ def placements(model: Model) -> str:
         return (list(numbers),)
 
     outputs = (Argument("frames", (SIZE * len(model.bodies),)),)
-    program = trace(NAME, placed, (Argument("q", (model.nq,)),), outputs)
-    return LANGUAGES["javascript-script"].emit(SourceUnit(program, NAME))
+    return trace(NAME, placed, (Argument("q", (model.nq,)),), outputs)
 
 
 def _in_space(R: Sequence[Sequence[Any]], p: Sequence[Any]) -> list[Any]:

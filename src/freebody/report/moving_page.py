@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
+from freebody.moving.renderer import renderer
 from freebody.moving.scene import scene
-from freebody.outputs.page_script import joined, packed
+from freebody.outputs.page_script import joined, packed, packed_numbers
 from freebody.report.page_figures import TOTAL
 from freebody.report.page_tables import EVERYDAY
 from freebody.report.tables import shortened
@@ -29,10 +30,6 @@ _MOST = 600
 """Instants at which a page shows a motion; of longer ones every second sample, or fewer."""
 _MARKS = 6  # instants with a button of their own
 _DRIVES = 12  # rows of the table of an instant
-_RENDERER = (
-    "numbers.js", "inflated.js", "solids.js", "raster.js", "camera.js", "floor.js", "labels.js",
-    "stage.js",
-)  # fmt: skip
 _PLAYER = "what_if", "player"
 _USED = 3  # limits whose nearest instants are marked
 
@@ -107,15 +104,15 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         "nv": study.model.nv,
         "drives": drives,
     }
-    script = joined("freebody.moving", _RENDERER) + "\n"
+    script = renderer() + "\n"
     player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
-        "TIMES": _numbers(t[kept]),
-        "POSITIONS": _numbers(study.motion.q[kept]),
-        "VALUES": _numbers(np.array(columns.found, dtype=np.float32)),
-        "RATES": "" if what.rates is None else _numbers(what.rates),
-        "EXPECTED": "" if what.expected is None else _numbers(what.expected),
+        "TIMES": packed_numbers(t[kept]),
+        "POSITIONS": packed_numbers(study.motion.q[kept]),
+        "VALUES": packed_numbers(np.array(columns.found, dtype=np.float32)),
+        "RATES": "" if what.rates is None else packed_numbers(what.rates),
+        "EXPECTED": "" if what.expected is None else packed_numbers(what.expected),
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
@@ -237,9 +234,3 @@ def _rows(
                 NowCell(drive["effort"], effort, 1.0),
             ),
         )
-
-
-def _numbers(x: NDArray[Any]) -> str:
-    """Numbers as a page inflates them: bytes of equal weight together, which packs them better."""
-    little = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("<"))
-    return packed(little.view(np.uint8).reshape(-1, x.dtype.itemsize).T.tobytes())

@@ -83,11 +83,13 @@ def rendered(template: str, *, study: Study | CycleStudy, **words: Any) -> str:
     return filled(template, study=study, doubts=doubts, **words)
 
 
-def filled(template: str, *, scripts: Sequence[str] = (), **words: Any) -> str:
+def filled(
+    template: str, *, scripts: Sequence[str] = (), package: str = "freebody.report", **words: Any
+) -> str:
     """The HTML text of a page, from its template: with the policy, colours and rules for paper that
-    all pages have, and the scripts that this one runs."""
+    all pages have, and the scripts that this one runs. package: whose `templates` it is in."""
     return legal(
-        _templates()
+        _templates(package)
         .get_template(template)
         .render(
             policy=Markup(policy(scripts)),
@@ -102,9 +104,10 @@ def filled(template: str, *, scripts: Sequence[str] = (), **words: Any) -> str:
 
 
 @cache
-def _templates() -> jinja2.Environment:
+def _templates(package: str) -> jinja2.Environment:
+    folders = dict.fromkeys((package, "freebody.report"))  # those of studies serve all
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("freebody.report"),
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(folder) for folder in folders]),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -148,11 +151,14 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, and notices on how the file was read, without the file's
-    folder."""
-    read = readings(study.model)
-    short = [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
-    return {"findings": list(study.warnings), "reading": short}
+    """Findings about the motion, and notices on how the file was read."""
+    return {"findings": list(study.warnings), "reading": how_read(study.model)}
+
+
+def how_read(model: Model) -> list[str]:
+    """Notices on how a robot's file was read, without the file's folder."""
+    read = readings(model)
+    return [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
 
 
 def source(model: Model) -> tuple[str, str]:

@@ -126,7 +126,7 @@ def _sliders(study: Study, words: str) -> Sliders:
     mass = 0.0
     if model.tip is not None:
         mass = 2.0 * card.payload if 0.0 < card.payload < math.inf else 0.5 * model.mass
-        mass = _round_up(mass)
+        mass = round_up(mass)
     low, high = _SPEEDS
     faster = card.faster if math.isfinite(card.faster) else low
     return Sliders(
@@ -138,7 +138,7 @@ def _sliders(study: Study, words: str) -> Sliders:
     )
 
 
-def _round_up(x: float) -> float:
+def round_up(x: float) -> float:
     """The next of 1, 2, 5, 10, 20, … that is no smaller."""
     if not x > 0.0:
         return 1.0

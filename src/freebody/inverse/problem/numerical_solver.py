@@ -26,6 +26,7 @@ from freebody.loops.closure_checks import scaled_jacobian, scaled_residual
 from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
 from freebody.model.shafts import shaft_entries, shafts
+from freebody.model.tree import Tree
 from freebody.model.usable_limits import usable_limits
 from freebody.program import Argument, Program, trace
 from freebody.targets import Kernel
@@ -300,20 +301,8 @@ def descent_kernel(
     def made(p: Argument, over: Over) -> Program:
         def evaluate(*scalars: Any) -> tuple[Any, ...]:
             q, damping, target, scales, low, high, numbers = scalars
-            tree = over(numbers)
-
-            def pose(q: Any) -> Any:
-                (T,) = FORMULAS["forward_kinematics"].evaluate(tree, option, q=q)
-                return _parts(T, d)
-
-            def jacobian(q: Any) -> Any:
-                (J,) = FORMULAS["jacobian"].evaluate(tree, option, q=q)
-                return J
-
-            goal = _parts(target, d)
-            return step_towards(
-                pose, jacobian, rows, columns, q, damping, goal, scales, (low, high)
-            )
+            step = DescentStep(over(numbers), frame, tuple(rows), tuple(columns))
+            return step(q, damping, target, scales, (low, high))
 
         inputs = (
             Argument("q", (n,)),
@@ -328,6 +317,36 @@ def descent_kernel(
 
     key = ("descent", " ".join(map(str, rows)), " ".join(map(str, columns)))
     return structural.fetch_own(model, key, option, made)
+
+
+@dataclass(frozen=True)
+class DescentStep:
+    """A step of `step_towards` over scalars, of a frame of a tree towards a target (dim + 1, dim +
+    1) in the counted rows."""
+
+    tree: Tree
+    frame: str
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+    def __call__(
+        self, q: Any, damping: Any, target: Any, scales: Any, limits: tuple[Any, Any]
+    ) -> tuple[Any, ...]:
+        """(q, damping, remaining error, longest entry of the step)."""
+        d, option = self.tree.space.dim, Option(self.frame)
+
+        def pose(q: Any) -> Any:
+            (T,) = FORMULAS["forward_kinematics"].evaluate(self.tree, option, q=q)
+            return _parts(T, d)
+
+        def jacobian(q: Any) -> Any:
+            (J,) = FORMULAS["jacobian"].evaluate(self.tree, option, q=q)
+            return J
+
+        goal = _parts(target, d)
+        return step_towards(
+            pose, jacobian, self.rows, self.columns, q, damping, goal, scales, limits
+        )
 
 
 def _parts(T: Any, d: int) -> tuple[Any, Any]:
