@@ -63,7 +63,7 @@ def assert_caught(lines: Sequence[Line]) -> None:
 
 @functools.cache
 def sample() -> tuple[Line, ...]:
-    return tuple(of_these(QUICK, 50))
+    return tuple(of_these(QUICK, 30))
 
 
 def test_right_lines_are_right() -> None:
@@ -71,7 +71,7 @@ def test_right_lines_are_right() -> None:
 
 
 def test_mistakes_are_caught() -> None:
-    assert_caught(list(mutants(sample(), 30)))
+    assert_caught(list(mutants(sample(), 20)))
 
 
 @functools.cache

@@ -76,9 +76,9 @@ def test_what_comes_from_where_in_the_closed_form_of_two_links():
 
 
 def test_marks_are_in_pages_alone_with_a_legend_and_more_than_a_colour():
-    derivation = fb.derive(fb.planar("RRR"), "lagrange")
+    derivation = fb.derive(fb.planar("RR"), "lagrange")
     marked = [step for step in derivation.steps if any(map(sources, step.equations))]
-    assert len(marked) == 7  # the derivatives and the equation of each coordinate; the closed form
+    assert len(marked) == 5  # the derivatives and the equation of each coordinate; the closed form
     assert {x for step in marked for line in step.equations for x in sources(line)} == {
         TIME, KINETIC, POTENTIAL, SEVERAL,
     }  # fmt: skip
@@ -87,7 +87,7 @@ def test_marks_are_in_pages_alone_with_a_legend_and_more_than_a_colour():
     for formula in re.findall(r"<math.*?</math>", page, re.DOTALL):
         ET.fromstring(formula)  # a term that is broken is closed in each line
     assert not re.search("[\ue000-\uf8ff]|term-", derivation.text() + derivation.latex())
-    plain = fb.derive(fb.planar("RRR"), "newton-euler")
+    plain = fb.derive(fb.planar("RR"), "newton-euler")
     assert 'class="sources"' not in plain.html()
     lines = re.findall(r"\.term-\w+\{[^}]*border-bottom:[\d.]+em (\w+)\}", TERMS)
     assert len(set(lines)) == 4

@@ -3,6 +3,7 @@ right, wrong or unreadable, and of a wrong one the same sentences and no others.
 
 from __future__ import annotations
 
+import functools
 import random
 import shutil
 from collections import Counter
@@ -34,7 +35,7 @@ ALL = SAMPLE | {
     "elbow_arm": "newton-euler",
     "cart_pole": "lagrange",
 }
-QUICK, LONG = 15, 50
+QUICK, LONG = 10, 50
 MOST_UNDECIDED = 0.4
 """Derivatives, states, quantities that have no value on the page."""
 LOOK = "look at it again"
@@ -43,6 +44,7 @@ LARGER = 60_000  # bytes, all tables, names, states and sentences together
 SPOILT = ("({}", "{} +", "{}^", "{} zeta9", "{} \\foo", "{} = ", "{} 2 3", "{})", "{} @")
 
 
+@functools.cache
 def checked(model: fb.Model, text: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
     """What `fb.check` says, of what, and the causes that it tells."""
     try:
