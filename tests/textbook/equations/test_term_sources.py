@@ -76,9 +76,9 @@ def test_what_comes_from_where_in_the_closed_form_of_two_links():
 
 
 def test_marks_are_in_pages_alone_with_a_legend_and_more_than_a_colour():
-    derivation = fb.derive(fb.planar("RR"), "lagrange")
+    derivation = fb.derive(fb.planar("RRR"), "lagrange")
     marked = [step for step in derivation.steps if any(map(sources, step.equations))]
-    assert len(marked) == 5  # the derivatives and the equation of each coordinate; the closed form
+    assert len(marked) == 7  # the derivatives and the equation of each coordinate; the closed form
     assert {x for step in marked for line in step.equations for x in sources(line)} == {
         TIME, KINETIC, POTENTIAL, SEVERAL,
     }  # fmt: skip
