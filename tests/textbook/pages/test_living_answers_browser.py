@@ -38,7 +38,7 @@ ALL = {
     "elbow_arm": "newton-euler",
     "cart_pole": "lagrange",
 }
-QUICK, LONG = {"RP": 15, "four_bar": 6}, 50
+QUICK, LONG = {"RP": 15, "four_bar": 10}, 50
 MOST_UNDECIDED = 0.4
 """Derivatives, states, quantities that have no value on the page."""
 LOOK = "look at it again"
