@@ -77,7 +77,7 @@ class ItemCard:
         return WORDS[self.finding.verdict]
 
 
-def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, Callable[[], str]]:
+def pages(findings: Sequence[ExecutedItem], contents: str) -> Mapping[str, Callable[[], str]]:
     """Functions that make the HTML text of each page, by file name, the contents first; contents:
     file name of the contents page, from which the chapters' names are made."""
     names = [contents, *(_numbered(contents, number) for number in chapters())]
