@@ -33,6 +33,9 @@ for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 # by Python's own thresholds a tenth of the time goes into looking for rubbish and finding none
 gc.set_threshold(20_000, 20, 20)
 
+# every worker, and each of some eighty processes that tests start, would compile all modules anew
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 if "FREEBODY_OPTIMISE" not in os.environ:
     # most of the suite's time is LLVM's, most of which is its work on the speed of code that is
     # called once; the compiler's own tests have it do all (tests/core/compiler/conftest.py)

@@ -128,7 +128,7 @@ def _page(path: Path) -> None:
     from freebody_notes.contents import items
     from freebody_notes.page import pages
 
-    made = pages(_run(items()), path.name)
+    made = {name: page() for name, page in pages(_run(items()), path.name).items()}
     written = [write(path.with_name(name), text) for name, text in made.items()]
     told = f"written: {written[0]}, with {written[1].name} to {written[-1].name} beside it"
     terminal.out().print(told, markup=False)

@@ -4,9 +4,9 @@ verdict, drawn figures, a movable arm, folded solutions; nothing is fetched from
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import PurePath
 from typing import Any
 from urllib.parse import quote
@@ -77,9 +77,9 @@ class ItemCard:
         return WORDS[self.finding.verdict]
 
 
-def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
-    """HTML text of each page by file name, the contents first; contents: file name of the contents
-    page, from which the chapters' names are made."""
+def pages(findings: Sequence[ExecutedItem], contents: str) -> Mapping[str, Callable[[], str]]:
+    """Functions that make the HTML text of each page, by file name, the contents first; contents:
+    file name of the contents page, from which the chapters' names are made."""
     names = [contents, *(_numbered(contents, number) for number in chapters())]
     told = [_chapter(number, chapter, findings) for number, chapter in chapters().items()]
     counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in VERDICTS}
@@ -93,7 +93,8 @@ def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
         "math_style": Markup(math_style() + SHEETS + formulas.STYLE),
         "figure_style": Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
     }
-    front = _page(
+    front = partial(
+        _page,
         "notes.html",
         shared,
         source=SOURCE,
@@ -105,7 +106,7 @@ def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
         only_words=sum(f.item.is_text for f in findings),
     )
     return {contents: front} | {
-        name: _of_chapter(chapter, findings, shared)
+        name: partial(_of_chapter, chapter, findings, shared)
         for name, chapter in zip(names[1:], told, strict=True)
     }
 

@@ -45,7 +45,7 @@ def _each_item_is_executed_once(monkeypatch):
 @pytest.fixture(scope="module")
 def site(findings):
     """The pages by their files' names."""
-    return pages(findings, "the notes.html")
+    return {name: page() for name, page in pages(findings, "the notes.html").items()}
 
 
 @pytest.fixture(scope="module")

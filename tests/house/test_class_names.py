@@ -8,6 +8,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
+from support.sources import parsed
+
 SOURCE = Path(__file__).resolve().parents[2] / "src"
 ALIAS = re.compile(r"_?[A-Z][a-z]\w*")
 """An alias of a type, such as Wrenches; constants are all capitals."""
@@ -31,7 +33,7 @@ def test_no_name_of_a_type_is_defined_twice():
     """A leading underscore makes no other name of it."""
     places = defaultdict(list)
     for path in sorted(SOURCE.rglob("*.py")):
-        for name, line in types(ast.parse(path.read_text(encoding="utf-8"))):
+        for name, line in types(parsed(path)):
             places[name.lstrip("_")].append(f"{path.relative_to(SOURCE)}:{line}")
     assert len(places) > 200
     assert {name for name, found in places.items() if len(found) > 1} == BOTH, places

@@ -22,7 +22,7 @@ from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_notes import contents, derivation_places
-from support.sources import SOURCES, place
+from support.sources import SOURCES, parsed, place
 
 EXECUTES = {
     # Python
@@ -145,7 +145,7 @@ def names_used(tree: ast.AST) -> set[str]:
 def places() -> set[tuple[str, str]]:
     found = set()
     for path in SOURCES:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = parsed(path)
         called = names_used(tree) & EXECUTES
         found |= {(place(path), name) for name in called}
     return found
@@ -168,7 +168,7 @@ def test_the_walk_sees_what_it_looks_for():
 
 def test_a_class_made_at_run_time_has_a_constant_name():
     for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             if (
                 isinstance(node, ast.Call)
                 and isinstance(node.func, ast.Name)

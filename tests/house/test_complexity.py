@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-from support.sources import SOURCES, place
+from support.sources import SOURCES, parsed, place
 
 MOST = 20
 
@@ -43,7 +43,7 @@ def test_no_function_has_more_ways_than_can_be_followed():
     found = {
         f"{place(path)}:{node.lineno} {node.name}": count
         for path in SOURCES
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.FunctionDef) and (count := ways(node)) > MOST
     }
     assert found == {}

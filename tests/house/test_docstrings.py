@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from support.sources import SOURCES, place
+from support.sources import SOURCES, parsed, place
 
 FRAGMENT = re.compile(
     r"(Without|From|Of|As|With|To|At|By|In|On|See|Into|Against|After|Before|Under|Like|Through|Over"
@@ -50,7 +50,7 @@ def test_docstrings_make_sense_alone():
     read = [
         (f"{place(path)}:{line}", text)
         for path in SOURCES
-        for line, text in docstrings(ast.parse(path.read_text(encoding="utf-8")))
+        for line, text in docstrings(parsed(path))
     ]
     assert len(read) > 7000
     assert [(where, text) for where, text in read if FRAGMENT.match(text)] == []

@@ -21,5 +21,5 @@ def pages(arm: fb.Study) -> dict[str, str]:
     notes, chapter, *_ = notes_pages(run_all(items()[:3]), "notes.html").values()
     with TemporaryDirectory() as folder:
         study = arm.to_html(Path(folder) / "study.html").read_text(encoding="utf-8")
-    made = {"study": study, "notes": notes, "chapter": chapter}
+    made = {"study": study, "notes": notes(), "chapter": chapter()}
     return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}

@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Literal
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
-from freebody.formats import dh_csv, read_file, sdf, sdf_nested, toml, urdf
+from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
-from freebody.formats.mjcf import reader as mjcf
 from freebody.formats.packages import Packages, packages_around
 from freebody.formats.urdf_elements import parse
-from freebody.formats.xacro.expand import expanded, without_links
 from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import RobotDescription
@@ -83,6 +81,9 @@ def _urdf(given: _Given) -> RobotDescription:
 
 
 def _xacro(given: _Given) -> RobotDescription:
+    # its reader, like those of SDF and MJCF, is imported for its files alone: half of all readers
+    from freebody.formats.xacro.expand import expanded, without_links
+
     how, file = given.how, given.file
     found = expanded(file, given.data, given.packages, how.xacro, how.xacro_environment)
     if not found.root.all("link"):
@@ -93,6 +94,8 @@ def _xacro(given: _Given) -> RobotDescription:
 
 
 def _sdf(given: _Given) -> RobotDescription:
+    from freebody.formats import sdf, sdf_nested
+
     root = parse(given.file, given.data, sdf_nested.TEXT)
     snap = given.how.snap_angles
     return sdf.describe(root, given.file, given.packages, name=given.name, snap_angles=snap)
@@ -116,6 +119,8 @@ def _xml(given: _Given) -> RobotDescription:
             root.line,
             "there is no <worldbody>: the file is a part that others include; load one that does.",
         )
+    from freebody.formats.mjcf import reader as mjcf
+
     _used(given.how, (), given.file)  # MuJoCo finds its files by itself
     on_disk = given.packages.folder is not None
     return mjcf.describe(given.file, on_disk, given.data, given.name)

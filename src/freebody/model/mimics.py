@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NoReturn, Protocol
 
-from numpy.polynomial import Polynomial
+import numpy as np
 
 from freebody.errors import IncludedLine, ModelError, UnknownNameError
 from freebody.model.joints import KINDS
@@ -19,6 +19,8 @@ from freebody.model.parameters import finite
 from freebody.model.placement import Placement
 
 if TYPE_CHECKING:
+    from numpy.polynomial import Polynomial
+
     from freebody.model.description import Joint
 
 
@@ -176,12 +178,13 @@ def _follower(
 
 def _put_in(coefficients: RatioCoefficients, of: Mimic) -> tuple[float, dict[str, Polynomial]]:
     """(constant, terms without one by leader) of the polynomial of a follower's position."""
+    polynomial = np.polynomial.Polynomial  # a module that NumPy imports when it is asked for
     if len(coefficients) == 1:
         ratio = coefficients[0]
-        own = {leader: Polynomial((0.0, *(ratio * x for x in c))) for leader, c in of.terms}
+        own = {leader: polynomial((0.0, *(ratio * x for x in c))) for leader, c in of.terms}
         return ratio * of.offset, own
     outer, inner = (0.0, *coefficients), (of.offset, *of.coefficients)
-    whole = Polynomial(outer)(Polynomial(inner))
+    whole = polynomial(outer)(polynomial(inner))
     return float(whole.coef[0]), {of.joint: whole - whole.coef[0]}
 
 

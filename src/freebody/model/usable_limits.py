@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from freebody.arrays import Array
 from freebody.model.coordinates import Coordinates
@@ -84,7 +83,7 @@ def _leaders_range(
             ((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio)
         )
         return max(ends[0], lower), min(ends[1], upper)
-    position = Polynomial((at.offset, at.ratio, *at.powers))
+    position = np.polynomial.Polynomial((at.offset, at.ratio, *at.powers))
     met = [_real(position - x) for x in (limits.lower, limits.upper) if np.isfinite(x)]
     inside = [x for roots in met for x in roots if lower < x < upper]
     ends, ranges = [lower, *sorted(inside), upper], list[list[float]]()
@@ -106,12 +105,12 @@ def _steepest(at: Coordinates, low: float, high: float) -> float:
         return abs(at.ratio)
     if np.isinf(low) or np.isinf(high):
         return np.inf
-    slope = Polynomial((at.offset, at.ratio, *at.powers)).deriv()
+    slope = np.polynomial.Polynomial((at.offset, at.ratio, *at.powers)).deriv()
     turns = [x for x in _real(slope.deriv()) if low < x < high]
     return float(np.abs(slope(np.array([low, *turns, high]))).max())
 
 
-def _real(polynomial: Polynomial) -> list[float]:
+def _real(polynomial: np.polynomial.Polynomial) -> list[float]:
     """The real roots of a polynomial."""
     roots = polynomial.roots()
     return roots.real[np.abs(roots.imag) <= _ROUNDED * (1.0 + np.abs(roots))].tolist()

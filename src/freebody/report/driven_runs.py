@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -53,6 +54,9 @@ _NODES = np.append(DOP853.C, 1.0)
 _WEIGHTS = [*(row[:k] for k, row in enumerate(DOP853.A)), DOP853.B]
 """Weights of the slopes before each stage; the last leads to the end of the step."""
 
+_kept = lru_cache(maxsize=1)
+"""Keeps a function's last value: implicit methods ask for several slopes at one time."""
+
 _AccelerationLaw = Callable[[float, Array], Any]
 
 
@@ -73,8 +77,12 @@ def land(
     cuts = _cuts(motion.jumps, start, length)
     inside = 0.0, 1.0  # of the stretch between cuts
 
+    @_kept
+    def torque(s: float, low: float, high: float) -> Array:
+        return reference.torque(start + s * length, start + np.clip(s, low, high) * length)
+
     def torque_at(s: float) -> Array:
-        return reference.torque(start + s * length, start + np.clip(s, *inside) * length)
+        return torque(s, *inside)
 
     def rate(s: float, y: Array) -> Array:
         t = start + s * length
@@ -122,8 +130,12 @@ def open_loop(
             continue
     inside = 0.0, 0.0  # of the stretch that is run
 
+    @_kept
+    def torque(t: float, low: float, high: float) -> Array:
+        return reference.torque(np.asarray(t), np.asarray(np.clip(t, low, high)))
+
     def torque_at(t: float) -> Array:
-        return reference.torque(np.asarray(t), np.asarray(np.clip(t, *inside)))
+        return torque(t, *inside)
 
     def rate(t: float, y: Array) -> Array:
         return whole.rate(np.asarray(t), y, torque_at(t))

@@ -28,6 +28,7 @@ from support.extras import extra
 from support.helpers import close
 from support.methods import agree
 from support.robots import Joint, Link, Mimic, Robot, loaded, rpy, shift
+from support.sources import parsed
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -426,8 +427,7 @@ def test_no_file_but_its_own_knows_a_kind_of_joint_or_loop():
         where = path.relative_to(SOURCE).as_posix()
         if where.startswith("model/joints/") or where == "model/loop_kinds.py":
             continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        for node in ast.walk(tree):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.Constant) and where not in OTHERWISE:
                 assert node.value not in names, (where, node.lineno)
             if isinstance(node, ast.ImportFrom) and node.module is not None:

@@ -32,7 +32,7 @@ from support.command import run
 from support.hostile import JOINTS, LINKS, hostile_study
 from support.hostile_pages import LIVING, pages
 from support.page_data import page_script
-from support.sources import SOURCES, place
+from support.sources import SOURCES, parsed, place
 
 posix = pytest.mark.skipif(os.name != "posix", reason="devices and pipes")
 
@@ -64,7 +64,7 @@ def test_only_one_module_writes_files():
     page, for the browser that prints it."""
     writers = {}
     for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.Call) and _writes(node):
                 writers.setdefault(place(path), []).append(node.lineno)
     known = {

@@ -63,7 +63,7 @@ def assert_caught(lines: Sequence[Line]) -> None:
 
 @functools.cache
 def sample() -> tuple[Line, ...]:
-    return tuple(of_these(QUICK, 50))
+    return tuple(of_these(QUICK, 30))
 
 
 def test_right_lines_are_right() -> None:
@@ -71,7 +71,7 @@ def test_right_lines_are_right() -> None:
 
 
 def test_mistakes_are_caught() -> None:
-    assert_caught(list(mutants(sample(), 30)))
+    assert_caught(list(mutants(sample(), 20)))
 
 
 @functools.cache
@@ -129,11 +129,20 @@ def test_results_are_right_in_numbers(one: Result) -> None:
         assert (np.min(gaps, axis=0) < 1e-8).all(), formula
 
 
-@pytest.mark.sample(1)
 @pytest.mark.parametrize("results", [RESULTS, exam_results.RESULTS], ids=["books", "exams"])
-def test_results_from_books(results: Sequence[Result], robots: Callable[[str], fb.Model]) -> None:
+def test_a_third_of_the_results_is_of_closed_chains(results: Sequence[Result]) -> None:
     assert len(results) >= 60
-    assert sum(proven(x.robot)[0] for x in results) >= len(results) / 3
+    closed = [x for x in results if exam_results.own_mechanism(x.robot).loops]
+    assert len(closed) >= len(results) / 3
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("whole", [RESULTS, exam_results.RESULTS], ids=["books", "exams"])
+def test_results_from_books(
+    whole: Sequence[Result], first: int, robots: Callable[[str], fb.Model]
+) -> None:
+    results = whole[first::2]
     found = [(x.title, *judged(robots(x.robot), x.answer, x.options)) for x in results]
     wrong = [(title, said) for title, how, said in found if how in ("wrong", "placed")]
     unread = [(title, said) for title, how, said in found if how == "unread"]

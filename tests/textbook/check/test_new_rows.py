@@ -46,9 +46,8 @@ found = {}
 for robot, texts in lines.items():
     model = fb.load(robot)
     found[robot] = [[bool(x), list(x.causes)] for x in (fb.check(model, y) for y in texts)]
-    if folder:
-        with open(f"{folder}/{robot}.html", "w", encoding="utf-8") as file:
-            file.write(fb.derive(model, "newton-euler").html())
+    with open(f"{folder}/{robot}.html", "w", encoding="utf-8") as file:
+        file.write(fb.derive(model, "newton-euler").html())
 print(json.dumps(found))
 """
 SEVEN = "It is counted seven times."
@@ -65,18 +64,22 @@ LINES = {
     "slider_crank": (("omega1", "ω1 = hc1/I1", "right"), ("omega1", "ω1 = 2 hc1/I1", "wrong")),
 }
 """Lines, in which box they are typed, and what is said of them."""
+Rows = tuple[dict[str, list[tuple[bool, list[str]]]], Path]
 
 
-def with_rows(folder: Path | None = None) -> dict[str, list[tuple[bool, list[str]]]]:
-    """What `fb.check` says of each robot's lines where the tables have the rows; the robots' pages
-    are written into the folder."""
+@pytest.fixture(scope="module")
+def with_rows(tmp_path_factory: pytest.TempPathFactory) -> Rows:
+    """What `fb.check` says of each robot's lines where the tables have the rows, and a folder with
+    the robots' pages."""
+    folder = tmp_path_factory.mktemp("pages")
     lines = json.dumps({robot: [text for _, text, _ in rows] for robot, rows in LINES.items()})
-    command = [sys.executable, "-c", ROWS + PROGRAM, str(folder or ""), lines]
-    return json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
+    command = [sys.executable, "-c", ROWS + PROGRAM, str(folder), lines]
+    said = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+    return json.loads(said), folder
 
 
-def test_check_reads_new_rows():
-    for robot, found in with_rows().items():
+def test_check_reads_new_rows(with_rows: Rows):
+    for robot, found in with_rows[0].items():
         for (right, causes), (_, text, said) in zip(found, LINES[robot], strict=True):
             assert right == (said == "right"), text
             assert (SEVEN in causes) == (said == SEVEN), text
@@ -96,11 +99,11 @@ def test_without_the_rows_none_of_this_is_known():
     not (shutil.which("chromium") and shutil.which("chromedriver")),
     reason="needs chromium and chromedriver",
 )
-def test_the_pages_read_new_rows(tmp_path):
-    with_rows(tmp_path)
+def test_the_pages_read_new_rows(with_rows: Rows, tmp_path: Path):
+    _, folder = with_rows
     with browser(tmp_path / "profile") as driver:
         for robot, rows in LINES.items():
-            driver.get((tmp_path / f"{robot}.html").as_uri())
+            driver.get((folder / f"{robot}.html").as_uri())
             for name, text, expected in rows:
                 boxes = [x for x, _ in driver.execute_script(FRESH)]
                 said = driver.execute_script(ANSWER, boxes.index(name), text)

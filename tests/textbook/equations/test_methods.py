@@ -39,8 +39,9 @@ def home(method: Method) -> Path:
 
 
 def literals(path: Path) -> list[ast.Constant]:
-    """The strings of a file that are no docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    """The strings that are no docstrings, of a file in which a method's name stands at all."""
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text if any(name in text for name in NAMES) else "")
     documents = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     constants = [node for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     return [node for node in constants if isinstance(node.value, str) and id(node) not in documents]

@@ -87,7 +87,7 @@ def test_marks_are_in_pages_alone_with_a_legend_and_more_than_a_colour():
     for formula in re.findall(r"<math.*?</math>", page, re.DOTALL):
         ET.fromstring(formula)  # a term that is broken is closed in each line
     assert not re.search("[\ue000-\uf8ff]|term-", derivation.text() + derivation.latex())
-    plain = fb.derive(fb.planar("RRR"), "newton-euler")
+    plain = fb.derive(fb.planar("RR"), "newton-euler")
     assert 'class="sources"' not in plain.html()
     lines = re.findall(r"\.term-\w+\{[^}]*border-bottom:[\d.]+em (\w+)\}", TERMS)
     assert len(set(lines)) == 4

@@ -112,14 +112,14 @@ def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, model):
 
 @pytest.fixture(scope="module")
 def notes():
-    """Pages of the notes, with few items."""
+    """Functions that make the pages of the notes, with few items."""
     return list(pages(run_all(items()[:3]), "notes.html").values())[1:]
 
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("chapter", chapters())
 def test_each_chapter_of_the_notes_has_an_arm_that_moves(driver, tmp_path, notes, chapter):
-    visited(driver, tmp_path / "notes.html", notes[chapter - 1])
+    visited(driver, tmp_path / "notes.html", notes[chapter - 1]())
     before = values(driver)
     assert len(before) > 3
     name = list(filter(None, driver.execute_script(NAMES)))[int(chapter > 1)]
