@@ -135,9 +135,9 @@ def identify(
     _require_load(carrying, load)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
-    laws = friction_laws(friction)
+    laws = friction_laws("identify", friction)
     key = f"_regression_columns {laws} {rotors}"
-    columns = kept(model, key, regression_columns, model, laws, rotors)
+    columns = kept(model, key, regression_columns, "identify", model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen, *carrying):
         require_joints("identify", log, columns.joints)
@@ -202,10 +202,10 @@ def _solved(
     of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
     start = None
     if smooth is None:
-        columns, start = suited(columns, logs, given, cutoff, of_prior)
+        columns, start = suited("identify", columns, logs, given, cutoff, of_prior)
     else:
         columns = replace(columns, smooth=smooth)
-    found = equations(columns, logs, given, cutoff)
+    found = equations("identify", columns, logs, given, cutoff)
     return found, regressed(found, of_prior, None if by_current else start)
 
 
@@ -277,7 +277,7 @@ def _validated(
     if not logs:
         return [None] * len(columns.joints), ()
     torques = [_predicted_torques(model, log, gains) for log in logs]
-    found = equations(columns, logs, torques, cutoff)
+    found = equations("identify", columns, logs, torques, cutoff)
     if columns.by_load:
         found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)

@@ -239,9 +239,11 @@ BAD = {
     "inverse": (lambda q, T: (q, np.linalg.inv(T)), "(give the inverse)"),
     "nan": (lambda q, T: (q, np.where(T[3, 0, 3] == T, np.nan, T)), "poses is nan at sample 3"),
     "rows": (lambda q, T: (q[:9], T), "q has 9 rows and poses 60"),
-    "few": (lambda q, T: (q[:5], T[:5]), "5 poses; measure at least 6"),
-    "too few": (lambda q, T: (q[:8], T[:8, :3, 3]), "8 poses for 24 numbers that such poses tell; "
-                "measure at least 12"),
+    "none": (lambda q, T: (q[:0], T[:0]), "0 poses; 30 numbers of 'ur5e' show at 'frame6': measure "
+             "at least 8 poses"),
+    "few": (lambda q, T: (q[:5], T[:5]), "5 poses; 30 numbers of 'ur5e' show at"),
+    "few points": (lambda q, T: (q[:8], T[:8, :3, 3]), "8 poses; 27 numbers of 'ur5e' show at "
+                   "'frame6': measure at least 14 poses"),
     "joints": (lambda q, T: (q[:, :5], T), "q has shape (60, 5), expected (n, 6)"),
     "kind": (lambda q, T: (3, None), "q is int 3, expected poses of fb.read_poses"),
 }  # fmt: skip

@@ -23,7 +23,7 @@ from freebody.identification.calibration.calibration import (
     source_of,
 )
 from freebody.identification.calibration.chain import MeasuredChain, chain_to
-from freebody.identification.calibration.fit import CalibrationFit, fit
+from freebody.identification.calibration.fit import CalibrationFit, fit, require_enough
 from freebody.identification.calibration.instrument import FittedPose, guess
 from freebody.identification.calibration.misfit import misfits_of
 from freebody.identification.calibration.poses import Poses, poses_of, rotations
@@ -33,8 +33,6 @@ from freebody.model.model_argument import require_model
 from freebody.outputs.display import counted
 from freebody.trees.positions import random_state
 
-_FEWEST = 6
-"""Poses without which nothing is told."""
 _CONFIDENCE = 0.975
 """Probability up to the upper end of an interval of 95 %."""
 _NO_BETTER = 0.9
@@ -117,11 +115,6 @@ def calibrate(
     chain = chain_to(model, frame, gears is not None)
     seen = _poses("q", model, q if poses is None else (q, poses))
     unseen = None if validate is None else _poses("validate", model, validate)
-    if len(seen) < _FEWEST:
-        raise FreebodyError(
-            f"calibrate: {counted(len(seen), 'pose')}; measure at least {_FEWEST}, and some tens "
-            f"for a good calibration."
-        )
     if unseen is not None and (unseen.rotation is None) != (seen.rotation is None):
         raise FreebodyError(
             "calibrate: of q and validate, one has rotations and the other positions alone; "
@@ -131,6 +124,7 @@ def calibrate(
     stated = _noise(noise, seen)
     held = _instrument(instrument), _marker(marker, seen)
     unknown = held[0] is None, held[1] is None
+    require_enough(chain, seen, held, spread)
     start = guess(chain, seen, *held)
     first = fit(chain, seen, start, unknown, None, None)
     found = fit(chain, seen, start, unknown, spread, stated)

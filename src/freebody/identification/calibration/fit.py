@@ -22,6 +22,8 @@ from freebody.identification.calibration.chain import MeasuredChain, rotation_ve
 from freebody.identification.calibration.instrument import FittedPose, Guess
 from freebody.identification.calibration.poses import Poses
 from freebody.motion.ranges import Flags
+from freebody.outputs.display import counted
+from freebody.trees.positions import random_state
 
 _STEPS, _LATER = 60, 5
 """Most steps of a fit, and most times that wild poses are sought."""
@@ -40,6 +42,12 @@ _ACCIDENT = 1e-3
 """Probability, over all poses, that one is taken for wild by accident."""
 _ROWS = 1.5
 """Measured coordinates for each number that they tell, below which they do not tell their noise."""
+_LEAST_POSES, _GENERIC = 6, 60
+"""Poses without which nothing is told, and random ones that tell as much as any do."""
+_ONES = np.ones(2)
+"""Noise of positions and rotations where it does not matter."""
+_SOMEWHERE = FittedPose(np.eye(3), np.array([0.1, 0.2, 0.3]))
+"""A marker on no joint's axis."""
 _RANK = 1e-9
 """Part of the largest singular value below which a combination is not told at all."""
 
@@ -150,7 +158,6 @@ def fit(
     found = _start(chain, poses, start, unknown, spread, noise)
     if not len(found.active):
         return found
-    _require_enough(found)
     found = _settled(found, robust=True)
     for _ in range(_LATER):
         kept = ~found.wild()
@@ -167,17 +174,42 @@ def fit(
     return found
 
 
-def _require_enough(found: CalibrationFit) -> None:
-    """Refuse poses that are too few to tell the unknowns and their own noise."""
+def require_enough(
+    chain: MeasuredChain,
+    poses: Poses,
+    held: tuple[FittedPose | None, FittedPose | None],
+    spread: Array,
+) -> None:
+    """Refuses poses that are too few to tell the unknowns and their own noise, with the number that
+    suffices wherever they are; fewer do where they move few joints.
+
+    held: the instrument and the marker, None where they are unknown. spread: as of `fit`.
+    """
+    unknown = held[0] is None, held[1] is None
+    start = Guess(held[0] or FittedPose(np.eye(3), np.zeros(3)), held[1] or _SOMEWHERE, 0.0)
+
+    def fewest(some: Poses) -> tuple[int, int]:
+        return _fewest(_start(chain, some, start, unknown, spread, _ONES))
+
+    _, least = fewest(poses)
+    if len(poses) >= max(least, _LEAST_POSES):
+        return
+    q, _, _ = random_state(chain.model, 0, _GENERIC)
+    axes = None if poses.rotation is None else np.tile(np.eye(3), (_GENERIC, 1, 1))
+    told, needed = fewest(Poses(q, np.zeros((_GENERIC, 3)), axes))
+    raise FreebodyError(
+        f"calibrate: {counted(len(poses), 'pose')}; {told} numbers of {chain.model.name!r} show at "
+        f"{chain.frame!r}: measure at least {max(needed, least, _LEAST_POSES)} poses, better twice "
+        f"as many."
+    )
+
+
+def _fewest(found: CalibrationFit) -> tuple[int, int]:
+    """How many numbers the poses of a fit tell, and how many poses tell so many, and noise."""
     columns, left = found.whitened(found.residuals(found.poses))
     size = np.linalg.svd(columns.reshape(-1, columns.shape[2]), compute_uv=False)
     told = int(np.sum(size > _RANK * size.max(initial=0.0)))
-    needed = int(np.ceil(_ROWS * told / left.shape[1]))
-    if len(left) < needed:
-        raise FreebodyError(
-            f"calibrate: {len(left)} poses for {told} numbers that such poses tell; measure at "
-            f"least {needed}, better twice as many."
-        )
+    return told, int(np.ceil(_ROWS * told / left.shape[1]))
 
 
 def _start(
