@@ -24,11 +24,12 @@ from freebody.identification.given_logs import require_joints, with_torques
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
 from freebody.identification.regression import REST
+from freebody.identification.reported import Reported
 from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.doubts import capital, doubts_on
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.display import TextTable, counted
 from freebody.trees.controllers import momentum_observer
 
 USUAL_GAIN = 20.0
@@ -79,7 +80,7 @@ class Collision:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DetectedCollisions(Tabled, ByValue):
+class DetectedCollisions(Reported, ByValue):
     """Pushes that a log shows. time: (n,) s. residual: (n, joints) torque that acts besides the
     drives', N m (N), less what the model lacks all the time. threshold: (joints,) of it. judged:
     (n,) flags, false where nothing is told: at the log's ends, and in gaps; at a joint that rests

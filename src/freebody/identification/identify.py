@@ -212,8 +212,8 @@ def _solved(
 def _require_load(loaded: Sequence[Log], load: float | None) -> None:
     if bool(loaded) != (load is not None):
         raise FreebodyError(
-            "identify: loaded= and load= go together: logs with a load at the tip, and its mass in "
-            "kg."
+            "identify: loaded= and load= (--loaded and --load) go together: logs with a load at "
+            "the tip, and its mass in kg."
         )
     if load is not None and not (np.isfinite(load) and load > 0.0):
         raise FreebodyError(f"identify: load= is {load!r}; expected its mass, above 0 kg.")

@@ -88,11 +88,13 @@ def mass_doubts(held: Prior, scale: ToldScale) -> list[str]:
     """Doubts on its masses that the model itself carries, wherever it is saved and used."""
     factor = ""
     if scale.factors[0] == 0.0:
-        factor = ", and all are right up to one unknown factor"
+        factor = "right up to one unknown factor"
     elif not is_known(scale.factors):
-        factor = f", and all are right up to one factor, told to {scale.percent}"
+        factor = f"right up to one factor, told to {scale.percent}"
     if held.source == "model":
-        return [f"the model is identified from currents{factor}."] if factor else []
+        said = "the model is identified from currents: masses, frictions and torques are"
+        return [f"{said} {factor}."] if factor else []
+    factor = f", and all are {factor}" if factor else ""
     what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
     return [
         f"the model is identified from logs: torques of its drives follow from them, but single "
