@@ -36,7 +36,7 @@ USUAL_GAIN = 20.0
 """Gain of the observer, 1/s: its residual follows a push within a twentieth of a second."""
 _OF_NOISE = 8.0
 """Threshold over the residual's robust standard deviation, that it is at least."""
-_BLOCK, _BLOCKS, _RARE = 1.0, 4, 1000.0
+_BLOCK, _BLOCKS, _RARE = 1.0, 12, 1000.0
 """Time (s) of whose largest residual the tail is taken, so that samples' dependence does not count;
 how many such blocks tell a tail; and the time (s) in which noise exceeds a threshold once."""
 _LEAST = 0.02

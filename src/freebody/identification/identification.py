@@ -57,7 +57,8 @@ class JointFit:
     model: RMS of what is left, over it, of the regression and of the physical model. validation:
     the same of the model on logs that it has not seen, or None. independent: by which the variance
     of estimates is larger than with independent samples. law_fits: whether friction by the rate
-    differs from the laws by no more than noise."""
+    differs from the laws by no more than noise. friction: what the regression takes for it, as far
+    as it goes with the rate, over the torque; negative where it pushes instead of braking."""
 
     joint: str
     torque: float
@@ -66,6 +67,7 @@ class JointFit:
     validation: float | None
     independent: float
     law_fits: bool
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,7 +19,7 @@ from freebody.identification.columns import (
     friction_laws,
     regression_columns,
 )
-from freebody.identification.drift import drift_notices, friction_drift
+from freebody.identification.drift import drift_notices, friction_drift, of_friction
 from freebody.identification.evidence import LogFit, log_fits
 from freebody.identification.filters import EVERYTHING
 from freebody.identification.given_logs import (
@@ -323,9 +323,20 @@ def _joint_fits(
                 checked[j],
                 float(first.inflation[j] / found.inflation),
                 bool(accident[j] > _UNLIKELY),
+                _friction_part(found, first, j),
             )
         )
     return tuple(fits)
+
+
+def _friction_part(found: LogEquations, first: Regressed, j: int) -> float:
+    """What the regression takes for a joint's friction, without constant torques, as far as it goes
+    with the rate, over the joint's torque."""
+    rows = found.rows[j]
+    own = of_friction(found.columns, rows)
+    friction = rows.x[:, own] @ first.values[rows.unknowns[own]]
+    size = np.linalg.norm(rows.rate) * np.linalg.norm(first.gains[j] * rows.y)
+    return float(friction @ rows.rate / size)
 
 
 def _parameters(
