@@ -58,6 +58,13 @@ def calibrate(
             "estimated.",
         ),
     ] = None,
+    marker: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z",
+            help="Where the marker sits in the frame, m. Default: found with the rest.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -81,6 +88,8 @@ def calibrate(
     given: dict[str, Any] = {
         "frame": frame, "shift": shift, "turn": turn, "offset": offset, "gears": gears
     }  # fmt: skip
+    if marker is not None:
+        given["marker"] = numbers.values("--marker", marker)
     if noise is not None:
         given["noise"] = numbers.values("--noise", noise)
     with terminal.progress("calibrate"):

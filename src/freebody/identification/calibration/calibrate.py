@@ -23,7 +23,12 @@ from freebody.identification.calibration.calibration import (
     source_of,
 )
 from freebody.identification.calibration.chain import MeasuredChain, chain_to
-from freebody.identification.calibration.fit import CalibrationFit, fit, require_enough
+from freebody.identification.calibration.fit import (
+    CalibrationFit,
+    fit,
+    marker_doubt,
+    require_enough,
+)
 from freebody.identification.calibration.instrument import FittedPose, guess
 from freebody.identification.calibration.misfit import misfits_of
 from freebody.identification.calibration.poses import Poses, poses_of, rotations
@@ -43,6 +48,8 @@ _SURPRISING = 4.0
 """Standard deviations of the prior by which the robot may differ from its model."""
 _WILD = 0.1
 """Part of the poses that may be wild."""
+_PLACED = 0.02
+"""Standard deviation of the marker's place (m) from which on it is not told."""
 _CANDIDATES, _NEXT = 256, 5
 
 MeasuredPoses = Poses | str | os.PathLike[str] | tuple[ArrayLike, ArrayLike]
@@ -210,7 +217,8 @@ def _calibration(first: CalibrationFit, found: CalibrationFit, unseen: Poses | N
     chain, k, kept = found.chain, found.geometry, found.kept
     names, spread = chain.names, found.spread[:k]
     root = found.root[:k]
-    covariance = root @ root.T
+    unsure, more = marker_doubt(found)
+    covariance = root @ root.T + more
     parameters = _parameters(found, covariance)
     combinations = combinations_of(names, covariance, found.x / spread)
     errors = {
@@ -243,7 +251,7 @@ def _calibration(first: CalibrationFit, found: CalibrationFit, unseen: Poses | N
         next_poses=_next_poses(found),
         outcome=outcome,
         verdict=_verdict(outcome, errors, combinations, misfits, loud),
-        notices=_notices(found, left_out, combinations),
+        notices=_notices(found, left_out, combinations, unsure),
         **errors,  # type: ignore[arg-type]  # those that are None may be
     )
 
@@ -348,7 +356,10 @@ def _verdict(
 
 
 def _notices(
-    found: CalibrationFit, left_out: Sequence[int], combinations: Sequence[Combination]
+    found: CalibrationFit,
+    left_out: Sequence[int],
+    combinations: Sequence[Combination],
+    unsure: float,
 ) -> tuple[str, ...]:
     """Sentences on what was left out, what surprises, and what the result does not hold."""
     said = list(found.poses.notices)
@@ -365,6 +376,12 @@ def _notices(
             f"The robot differs from its model by {far:.1f} standard deviations of what was held "
             f"possible: what the poses do not tell may be off as much. Give a larger shift=, turn= "
             f"or offset=."
+        )
+    if unsure > _PLACED:
+        said.append(
+            f"The poses do not tell where the marker sits in {found.chain.frame}: another place of "
+            f"the instrument makes up for it; so tilts and shifts of joints are told apart less "
+            f"well. Give its place, marker=."
         )
     if any(x.source == "prior" for x in combinations):
         said.append(

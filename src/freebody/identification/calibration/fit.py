@@ -48,6 +48,9 @@ _ONES = np.ones(2)
 """Noise of positions and rotations where it does not matter."""
 _SOMEWHERE = FittedPose(np.eye(3), np.array([0.1, 0.2, 0.3]))
 """A marker on no joint's axis."""
+_FARTHEST = 0.2
+"""Standard deviation (m) of the marker's place in its frame beforehand: it sits on a tool. Poses
+tell it far better, but for a height that moving the instrument makes up for."""
 _RANK = 1e-9
 """Part of the largest singular value below which a combination is not told at all."""
 
@@ -72,10 +75,10 @@ class CalibrationFit:
     """A fitted geometry x with the instrument and the marker, and what it leaves.
 
     spread: standard deviations (k,) of the unknowns beforehand, 1 for those of instrument and
-    marker, whose prior is flat. active: indices of those that are not known. root: (a, a), the
-    covariance of these afterwards is root rootᵀ in these units. noise: standard deviations of
-    positions, m, and of rotations, rad. freedom: degrees of freedom of each. kept: flags (n,) of
-    the poses that count.
+    marker, whose prior is flat but for the marker's place. active: indices of those that are not
+    known. root: (a, a), the covariance of these afterwards is root rootᵀ in these units. noise:
+    standard deviations of positions, m, and of rotations, rad. freedom: degrees of freedom of each.
+    kept: flags (n,) of the poses that count.
     """
 
     chain: MeasuredChain
@@ -97,6 +100,12 @@ class CalibrationFit:
     def geometry(self) -> int:
         """The number of active unknowns of the geometry, which come first."""
         return int(np.sum(self.active < len(self.chain.names)))
+
+    @property
+    def marker_place(self) -> NDArray[np.intp]:
+        """Indices, among the active unknowns, of the marker's place: three, or none."""
+        k = len(self.x)
+        return np.flatnonzero((self.active >= k + 6) & (self.active < k + 9))
 
     def residuals(self, poses: Poses) -> Residuals:
         """Residuals of poses that are predicted."""
@@ -174,6 +183,27 @@ def fit(
     return found
 
 
+def marker_doubt(found: CalibrationFit) -> tuple[float, Array]:
+    """How far (m, standard deviation) the marker may be from its place, and what that adds to the
+    covariance of the geometry, in units of the prior.
+
+    To first order nothing: the instrument makes up for it. But a frame that may be turned by φ
+    moves a marker at a distance h by φ h, so that with h a shift is not told either.
+    """
+    g, place = found.geometry, found.marker_place
+    if not len(place):
+        return 0.0, np.zeros((g, g))
+    _, size, ways = np.linalg.svd(found.root[place], full_matrices=False)
+    poses = found.poses.of(found.kept)
+    elsewhere = _moved(found, found.root @ ways[0])
+    here, there = (
+        x.whitened(x.residuals(poses))[0].reshape(-1, len(found.active)) for x in (found, elsewhere)
+    )
+    covariance = found.root @ found.root.T
+    shifts = covariance[:g] @ here.T @ (there - here)[:, :g]
+    return _FARTHEST * float(size[0]), shifts @ covariance[:g, :g] @ shifts.T
+
+
 def require_enough(
     chain: MeasuredChain,
     poses: Poses,
@@ -225,7 +255,9 @@ def _start(
     active += [*range(k, k + 6)] if unknown[0] else []
     active += [*range(k + 6, k + (9 if poses.rotation is None else 12))] if unknown[1] else []
     first = np.full(1 if poses.rotation is None else 2, 1.0)
-    whole = np.concatenate([np.ones(k) if spread is None else spread, np.ones(12)])
+    whole = np.concatenate(
+        [np.ones(k) if spread is None else spread, np.ones(6), np.full(3, _FARTHEST), np.ones(3)]
+    )
     found = CalibrationFit(
         chain,
         poses,
@@ -276,6 +308,8 @@ def _stepped(found: CalibrationFit) -> tuple[CalibrationFit, float]:
     u, s, vt = np.linalg.svd(stacked[:, :-1], full_matrices=False)
     prior = np.zeros(size)
     prior[: found.geometry] = -(found.x / found.spread[: len(found.x)])[: found.geometry]
+    place = found.marker_place
+    prior[place] = -(found.marker.p / _FARTHEST)[: len(place)]
     scale = np.sqrt(1.0 + s**2)
     step = (s * (u.T @ stacked[:, -1]) + vt @ prior) / scale
     root = vt.T / scale
