@@ -1,5 +1,5 @@
-"""What commands that judge measurements have in common: where these come from, and how results with
-a verdict are printed, saved and turned into an exit status."""
+"""The common part of commands that judge measurements: these are read, and results with a verdict
+are printed, saved and turned into an exit status."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SIMULATED = "simulated"
 T = TypeVar("T")
 
 
-class Judged(Protocol):
+class WithVerdict(Protocol):
     """A result with a verdict."""
 
     @property
@@ -32,7 +32,7 @@ def measured(text: str, read: Callable[[str], T], simulated: Callable[[], T]) ->
     return simulated() if text == SIMULATED else read(text)
 
 
-def tell(found: Judged, style: str) -> None:
+def tell(found: WithVerdict, style: str) -> None:
     """Prints a result's verdict, table and notices."""
     console = terminal.out()
     console.print(found.verdict, style=style, soft_wrap=True, markup=False)
@@ -44,7 +44,7 @@ def tell(found: Judged, style: str) -> None:
 def conclude(
     context: typer.Context,
     found: Any,
-    beside: Iterable[Judged] = (),
+    beside: Iterable[WithVerdict] = (),
     write: Callable[[], Iterable[Path]] | None = None,
 ) -> None:
     """Prints a result that says whether it is `trusted`, and those beside it, writes their files,

@@ -285,8 +285,9 @@ def _tail(found: _MomentumResidual, rate: float, robust: bool) -> Array:
 
 
 def _slow_part(residual: Array, held: Array, rate: float) -> Array:
-    """What the model lacks all the time (n, joints): the residual's median over `_SLOW` seconds of
-    those samples at which no dry friction of a resting joint hides it, straight in between."""
+    """The slow part of a residual (n, joints), which the model lacks all the time: its median
+    over `_SLOW` seconds of those samples at which no dry friction of a resting joint hides it,
+    straight in between."""
     step = max(1, int(rate / _MEDIANS))
     some = np.where(_hidden(residual, held), np.nan, residual)[::step]
     half = int(0.5 * _SLOW * rate / step)

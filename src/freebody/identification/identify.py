@@ -330,8 +330,8 @@ def _joint_fits(
 
 
 def _friction_part(found: LogEquations, first: Regressed, j: int) -> float:
-    """What the regression takes for a joint's friction, without constant torques, as far as it goes
-    with the rate, over the joint's torque."""
+    """The part of a joint's torque that the regression takes for friction, without constant
+    torques, as far as it goes with the rate; negative where it pushes."""
     rows = found.rows[j]
     own = of_friction(found.columns, rows)
     friction = rows.x[:, own] @ first.values[rows.unknowns[own]]
