@@ -14,8 +14,8 @@ from support.command import error, run
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
 
-def written_log(path: Path, arm: fb.Model, seed: int) -> None:
-    """A log of a planar arm as CSV, with noise on its torques."""
+def written_log(path: Path, arm: fb.Model, seed: int, gains: float | None = None) -> None:
+    """A log of a planar arm as CSV, with noise on its torques; with gains of currents."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, 15.0, 0.01)
     a, b, c = rng.uniform(0.5, 1.0, (3, 2))
@@ -26,8 +26,8 @@ def written_log(path: Path, arm: fb.Model, seed: int) -> None:
     tau = tau + 0.01 * rng.normal(size=tau.shape)
     names = arm.velocity_names
     head = ["t", *(f"{x}.position" for x in names), *(f"{x}.velocity" for x in names)]
-    head += [f"{x}.torque" for x in names]
-    rows = np.column_stack([t, q, qd, tau])
+    head += [f"{x}.{'torque' if gains is None else 'current'}" for x in names]
+    rows = np.column_stack([t, q, qd, tau / (gains or 1.0)])
     np.savetxt(path, rows, delimiter=",", header=",".join(head), comments="")
 
 
@@ -74,6 +74,27 @@ def test_a_payload_and_collisions_are_told_beside_a_robot(
     assert "Payload" in Path("found/index.html").read_text(encoding="utf-8")
     carrying = fb.load("found/loaded.toml")
     assert fb.parameters(carrying)["payload.mass"].value == pytest.approx(mass["in_model"])
+
+
+def test_a_weighed_load_tells_the_scale_of_currents_and_without_it_the_scale_is_in_doubt(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    arm = fb.load("2R").with_drive("joint1", viscous=0.4, coulomb=0.3, rotor=0.05)
+    written_log(Path("run.csv"), arm, 0, gains=2.5)
+    written_log(Path("loaded.csv"), arm.with_payload(0.6, com=[0.02, 0.0]), 1, gains=2.5)
+    words = ["identify", "2R", "run.csv", "--validate", "run.csv", "--friction", "viscous, coulomb"]
+    searched = ["--collisions-in", "run.csv", "--out", "found"]
+    assert run([*words, *searched, "--loaded", "loaded.csv", "--load", "0.6"]) == 0
+    assert "the load of 0.6 kg tells" in capsys.readouterr().out
+    found = json.loads(Path("found/identification.json").read_text(encoding="utf-8"))
+    assert found["gains"] == pytest.approx([2.5, 2.5], rel=0.03)
+    assert run([*words, *searched, "--masses", "1, 1"]) == 1
+    said = capsys.readouterr().out
+    assert said.count("right up to one factor, told to") == 1
+    assert "error" not in said
+    assert "have an unknown factor" in error(capsys, *words, "--payload-of", "loaded.csv")
+    assert "--loaded and --load" in error(capsys, *words, "--loaded", "loaded.csv")
 
 
 def test_what_was_not_validated_is_a_finding(

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from freebody.cli import numbers, options, terminal
+from freebody.cli import numbers, options, terminal, verdicts
 
 if TYPE_CHECKING:
     from freebody.identification.calibration.poses import Poses
     from freebody.model.model import Model
 
 EXAMPLE = "Example: freebody calibrate ur5e simulated --out calibrated"
-_SIMULATED = "simulated"
 
 
 @options.reading(*options.FILE)
@@ -58,6 +58,13 @@ def calibrate(
             "estimated.",
         ),
     ] = None,
+    marker: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z",
+            help="Where the marker sits in the frame, m. Default: found with the rest.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -81,26 +88,21 @@ def calibrate(
     given: dict[str, Any] = {
         "frame": frame, "shift": shift, "turn": turn, "offset": offset, "gears": gears
     }  # fmt: skip
+    if marker is not None:
+        given["marker"] = numbers.values("--marker", marker)
     if noise is not None:
         given["noise"] = numbers.values("--noise", noise)
     with terminal.progress("calibrate"):
         found = calibrated(model, seen, validate=unseen, **given)
-    console = terminal.out()
-    style = "bold green" if found.trusted else "bold red"
-    console.print(found.verdict, style=style, soft_wrap=True, markup=False)
-    terminal.table(found._table())
-    for notice in found.notices:
-        console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
-    if out is not None:
-        for path in write_calibration(found, out, [x for x in (poses, validate) if x]):
-            console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
-    console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
-    if not found.trusted:
-        raise typer.Exit(1)
+    files = [x for x in (poses, validate) if x is not None]
+    write = None if out is None else partial(write_calibration, found, out, files)
+    verdicts.conclude(context, found, write=write)
 
 
 def _poses(text: str, model: Model, frame: str | None, seed: int) -> Poses:
     from freebody.identification.calibration.read_poses import read_poses
     from freebody.identification.calibration.simulated import simulated_poses
 
-    return simulated_poses(model, frame, seed) if text == _SIMULATED else read_poses(text, model)
+    return verdicts.measured(
+        text, lambda file: read_poses(file, model), lambda: simulated_poses(model, frame, seed)
+    )

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from freebody.cli import numbers, options, terminal
+from freebody.cli import numbers, options, terminal, verdicts
+from freebody.errors import FreebodyError
 
 if TYPE_CHECKING:
+    from freebody.identification.collisions import DetectedCollisions
+    from freebody.identification.identification import Identification
+    from freebody.identification.identified_payload import IdentifiedPayload
     from freebody.identification.logs.log import Log
     from freebody.model.model import Model
 
 EXAMPLE = "Example: freebody identify scara simulated --validate simulated --out identified"
-_SIMULATED = "simulated"
 
 
 @options.reading(*options.FILE)
@@ -96,61 +99,81 @@ def identify(
     made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth.
     2: bad input.
     """
-    from freebody.identification.collisions import detect_collisions
     from freebody.identification.identify import identify as identified
-    from freebody.identification.identify_payload import identify_payload
     from freebody.identification.result_files import write_results
     from freebody.report.identification_page import identification_page
 
+    given = {
+        "logs": logs,
+        "validate": validate or [],
+        "payload of": payload_of or [],
+        "collisions in": [] if collisions_in is None else [collisions_in],
+        "loaded": loaded or [],
+    }
     with terminal.progress("reading"):
         model = robot.load()
-        searched = () if collisions_in is None else (collisions_in,)
-        used, unseen, carrying, pushed, weighed = (
-            [_log(text, model, layout, seed) for text in given or ()]
-            for seed, given in enumerate((logs, validate, payload_of, searched, loaded))
-        )
+        read = {
+            use: [_log(text, model, layout, seed) for text in texts]
+            for seed, (use, texts) in enumerate(given.items())
+        }
     laws: dict[str, Any] = (
         {} if friction is None else {"friction": [x.strip() for x in friction.split(",")]}
     )
     held: dict[str, Any] = {} if masses is None else {"prior": numbers.values("--masses", masses)}
     with terminal.progress("identify"):
         found = identified(
-            model, used, validate=unseen, rotors=rotors, loaded=weighed, load=load, **laws, **held
+            model,
+            read["logs"],
+            validate=read["validate"],
+            rotors=rotors,
+            loaded=read["loaded"],
+            load=load,
+            **laws,
+            **held,
         )
-        known: dict[str, Any] = {"gains": found.gains if found.scale_known else None}
-        carried = pushes = None
-        if carrying:
-            carried = identify_payload(found.model, carrying, used, **known, **laws)
-        for log in pushed:
-            pushes = detect_collisions(found.model, log, gains=found.gains)
-    console = terminal.out()
-    _told(found, "bold green" if found.trusted else "bold red")
-    for more in (carried, pushes):
-        if more is not None:
-            _told(more, "bold")
+        carried = _carried(found, read["payload of"], read["logs"], laws)
+        pushes = _pushes(found, read["collisions in"])
+    beside = [x for x in (carried, pushes) if x is not None]
+    write = None
     if out is not None:
-        names = [*logs, *(validate or ()), *(loaded or ()), *(payload_of or ()), *searched]
+        names = [text for texts in given.values() for text in texts]
         page = partial(identification_page, found, carried, pushes)
-        for path in write_results(found, out, names, page, carried, pushes):
-            console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
-    console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
-    if not found.trusted:
-        raise typer.Exit(1)
+        write = partial(write_results, found, out, names, page, carried, pushes)
+    verdicts.conclude(context, found, beside, write)
 
 
-def _told(found: Any, style: str) -> None:
-    """Prints a result's verdict, table and notices."""
-    console = terminal.out()
-    console.print(found.verdict, style=style, soft_wrap=True, markup=False)
-    terminal.table(found._table())
-    for notice in found.notices:
-        console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
+def _carried(
+    found: Identification, loaded: list[Log], empty: list[Log], laws: dict[str, Any]
+) -> IdentifiedPayload | None:
+    """The load of logs with it, or None where there are none."""
+    from freebody.identification.identify_payload import identify_payload
+
+    if not loaded:
+        return None
+    if not found.scale_known:
+        raise FreebodyError(
+            "--payload-of: the load's mass is not told, since the logs have currents whose gains "
+            "have an unknown factor. Give torque constants in the TOML file beside the logs, or "
+            "logs with a weighed load, --loaded and --load."
+        )
+    return identify_payload(found.model, loaded, empty, gains=found.gains, **laws)
+
+
+def _pushes(found: Identification, searched: list[Log]) -> DetectedCollisions | None:
+    """The collisions in a log, or None where there is none."""
+    from freebody.identification.collisions import detect_collisions
+
+    if not searched:
+        return None
+    return detect_collisions(found.model, searched[0], gains=found.gains)
 
 
 def _log(text: str, model: Model, layout: Path | None, seed: int) -> Log:
     from freebody.identification.logs.read_log import read_log
     from freebody.identification.simulated import simulated_log
 
-    return (
-        simulated_log(model, seed) if text == _SIMULATED else read_log(text, model, layout=layout)
+    return verdicts.measured(
+        text,
+        lambda file: read_log(file, model, layout=layout),
+        lambda: simulated_log(model, seed),
     )

@@ -33,8 +33,9 @@ def what_next(
         )
     if outcome == "fails":
         found.append(
-            "Log motions that are more like those to be predicted: the same speeds, postures and "
-            "temperature."
+            "Look whether geometry, zeros, signs and the order of the joints are the robot's, and "
+            "whether it carries the same in all logs; if so, log motions that are more like those "
+            "to be predicted: the same speeds, postures and temperature."
         )
     untold = [x.name for x in parameters if x.kind == "inertial" and not x.told]
     if untold:

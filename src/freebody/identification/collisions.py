@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, label, maximum_filter1d, median_filter
+from scipy.ndimage import binary_dilation, label, maximum_filter1d
 from scipy.signal import lfilter
 
 from freebody.any_chain.dynamics import inverse_dynamics
@@ -23,20 +24,30 @@ from freebody.identification.given_logs import require_joints, with_torques
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
 from freebody.identification.regression import REST
+from freebody.identification.reported import Reported
+from freebody.model.doubt_rules.aspects import DYNAMIC
+from freebody.model.doubts import capital, doubts_on
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.display import TextTable, counted
 from freebody.trees.controllers import momentum_observer
 
 USUAL_GAIN = 20.0
 """Gain of the observer, 1/s: its residual follows a push within a twentieth of a second."""
-_OF_NOISE, _OF_CLEAN = 8.0, 1.25
-"""Threshold over the residual's robust standard deviation, or over the largest of clean logs."""
+_OF_NOISE = 8.0
+"""Threshold over the residual's robust standard deviation, that it is at least."""
+_BLOCK, _BLOCKS, _RARE = 1.0, 12, 1000.0
+"""Time (s) of whose largest residual the tail is taken, so that samples' dependence does not count;
+how many such blocks tell a tail; and the time (s) in which noise exceeds a threshold once."""
 _LEAST = 0.02
 """Threshold over the RMS of a joint's torque, that it is at least: below it no model is."""
 _SLOW = 4.0
 """Time (s) over which the residual's median is taken, which is what the model lacks; a push is
 shorter than half of it."""
+_MEDIANS, _HIDES, _RESTS = 20.0, 0.1, 0.95
+"""Samples a second of this median; part of the residual's usual size from which on what dry
+friction holds hides it; and part of a log that a joint may rest for its residual in motion to be
+told."""
 _SHORTEST, _APART = 0.02, 0.25
 """Time (s) that a push lasts at least above a threshold, and within which two count as one."""
 _STARTS = 2.0
@@ -69,7 +80,7 @@ class Collision:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DetectedCollisions(Tabled, ByValue):
+class DetectedCollisions(Reported, ByValue):
     """Pushes that a log shows. time: (n,) s. residual: (n, joints) torque that acts besides the
     drives', N m (N), less what the model lacks all the time. threshold: (joints,) of it. judged:
     (n,) flags, false where nothing is told: at the log's ends, and in gaps; at a joint that rests
@@ -108,13 +119,18 @@ class DetectedCollisions(Tabled, ByValue):
 
 class _MomentumResidual(NamedTuple):
     """The residual (n, joints) of a log without its slow part; its robust standard deviation
-    (joints,); how much of it (n, joints) the dry friction of resting joints can be; and which
-    samples (n,) tell something."""
+    (joints,) in motion; how much of it (n, joints) the dry friction of resting joints can be; and
+    which samples (n,) tell something."""
 
     values: Array
     spread: Array
     held: Array
     judged: NDArray[np.bool_]
+
+    @property
+    def beyond(self) -> Array:
+        """How much of the residual's size (n, joints) no dry friction can be."""
+        return np.maximum(np.abs(self.values) - self.held, 0.0)
 
 
 def detect_collisions(
@@ -129,7 +145,9 @@ def detect_collisions(
     the generalized momentum (De Luca, Mattone 2003; De Luca and others 2006).
 
     A push stands out of the log's own residual; what the model lacks, such as friction that it does
-    not know, raises the thresholds. A push that lasts longer than two seconds counts as a load.
+    not know, raises the thresholds. They are so high that the residual of motions like those by
+    which they are set exceeds one once in some 1000 s, by the tail of its largest values in each
+    second. A push that lasts longer than two seconds counts as a load.
 
     Parameters
     ----------
@@ -138,8 +156,9 @@ def detect_collisions(
     log
         `fb.Log` or a file of `fb.read_log`.
     clean
-        A log without pushes, of motions such as those of the log: thresholds are then above all
-        that it has.
+        A log without pushes, of motions such as those of the log, by which thresholds are set. By
+        default they are set by the log itself, which does as long as pushes are in fewer than a
+        quarter of its seconds.
     gains
         Of the drives (n,), N m/A (N/A), for logs of currents, such as `fb.identify` found.
     observer
@@ -169,15 +188,17 @@ def detect_collisions(
 
     own, found = residual_of(log)
     assert own.torque is not None
-    threshold = _OF_NOISE * found.spread
-    if clean is not None:
-        _, other = residual_of(clean)
-        largest = (np.abs(other.values) - other.held)[other.judged].max(axis=0)
-        threshold = _OF_CLEAN * largest
+    spread = found.spread
+    if clean is None:
+        tail = _tail(found, own.rate, robust=True)
+    else:
+        read, other = residual_of(clean)
+        spread, tail = np.maximum(spread, other.spread), _tail(other, read.rate, robust=False)
+    threshold = np.maximum(_OF_NOISE * spread, tail)
     size = np.sqrt(np.mean(own.torque**2, axis=0))
     threshold = np.maximum(threshold, _LEAST * size)
     events = _events(model, own, found, threshold)
-    notices = list(own.notices)
+    notices = [*own.notices, *(capital(x.text) for x in doubts_on(model, *DYNAMIC))]
     large = [
         name
         for name, level, rms in zip(own.names, threshold, size, strict=True)
@@ -224,16 +245,61 @@ def _residual(model: Model, log: Log, gain: float) -> _MomentumResidual:
         np.asarray(lfilter([gain], [1.0 + h * gain, -1.0], x, axis=0), dtype=float)
         for x in (change, h * held)
     ]
-    window = 2 * int(0.5 * _SLOW * log.rate) + 1
-    values = filtered[0] - median_filter(filtered[0], (window, 1), mode="nearest")
+    values = filtered[0] - _slow_part(filtered[0], filtered[1], log.rate)
     judged = log.settled(_SETTLED / gain)
     if not judged.any():
         raise FreebodyError(
             f"detect_collisions: the log {log.source!r} has no {2.0 * _SETTLED / gain:.3g} s "
             f"without a gap; nothing is told."
         )
-    spread = _NORMAL * np.median(np.abs(values[judged]), axis=0)
+    hidden = _hidden(values, filtered[1])
+    told = np.where(
+        hidden[judged].mean(axis=0) < _RESTS, hidden | ~judged[:, None], ~judged[:, None]
+    )
+    spread = _NORMAL * np.nanmedian(np.where(told, np.nan, np.abs(values)), axis=0)
     return _MomentumResidual(values, spread, filtered[1], judged)
+
+
+def _hidden(residual: Array, held: Array) -> NDArray[np.bool_]:
+    """Flags (n, joints): where dry friction that holds a resting joint hides the residual."""
+    return held > _HIDES * np.median(np.abs(residual), axis=0)
+
+
+def _tail(found: _MomentumResidual, rate: float, robust: bool) -> Array:
+    """The level (joints,) that the residual exceeds once in `_RARE` seconds, where its largest
+    values in each second are distributed exponentially beyond their median; 0 of too short a log.
+    robust: whether pushes may be among them."""
+    size = int(_BLOCK * rate)
+    beyond = np.where(found.judged[:, None], found.beyond, np.nan)
+    blocks = beyond[: len(beyond) // size * size].reshape(-1, size, beyond.shape[1])
+    largest = np.max(blocks, axis=1)  # NaN of a block that is not judged throughout
+    largest = largest[np.isfinite(largest).all(axis=1)]
+    if len(largest) < _BLOCKS:
+        return np.zeros(beyond.shape[1])
+    median = np.median(largest, axis=0)
+    if robust:
+        scale = (np.quantile(largest, 0.75, axis=0) - median) / np.log(2.0)
+    else:
+        scale = 2.0 * np.mean(np.maximum(largest - median, 0.0), axis=0)
+    return np.asarray(median + scale * np.log(0.5 * _RARE / _BLOCK))
+
+
+def _slow_part(residual: Array, held: Array, rate: float) -> Array:
+    """The slow part of a residual (n, joints), which the model lacks all the time: its median
+    over `_SLOW` seconds of those samples at which no dry friction of a resting joint hides it,
+    straight in between."""
+    step = max(1, int(rate / _MEDIANS))
+    some = np.where(_hidden(residual, held), np.nan, residual)[::step]
+    half = int(0.5 * _SLOW * rate / step)
+    padded = np.pad(some, ((half, half), (0, 0)), constant_values=np.nan)
+    windows = sliding_window_view(padded, 2 * half + 1, axis=0)
+    told = np.isfinite(windows).sum(axis=2) > 0.5 * half
+    at, places = np.arange(len(residual)), np.arange(0, len(residual), step)
+    found = np.zeros_like(residual)
+    for j in np.flatnonzero(told.any(axis=0)).tolist():
+        medians = np.nanmedian(windows[told[:, j], j], axis=1)
+        found[:, j] = np.interp(at, places[told[:, j]], medians)
+    return found
 
 
 def _friction(
@@ -257,7 +323,7 @@ def _events(
     """The pushes: runs of samples at which a residual is above its threshold, long enough, those
     near one another being one."""
     size = np.abs(found.values)
-    above = (size > threshold + found.held) & found.judged[:, None]
+    above = (found.beyond > threshold) & found.judged[:, None]
     runs, count = _numbered(above, _ALONG)
     lengths = np.bincount(runs.ravel(), minlength=count + 1)
     above &= lengths[runs] >= max(1, int(_SHORTEST * log.rate))

@@ -153,7 +153,9 @@ class Columns:
         return np.sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth)
 
 
-def friction_laws(wanted: Sequence[str] | Mapping[str, Any]) -> tuple[FrictionLaw, ...]:
+def friction_laws(
+    function: str, wanted: Sequence[str] | Mapping[str, Any]
+) -> tuple[FrictionLaw, ...]:
     """The laws of friction by name, those by load last.
 
     wanted: names of laws, or {name: {number: value}} with the numbers of their shapes, such as
@@ -164,27 +166,27 @@ def friction_laws(wanted: Sequence[str] | Mapping[str, Any]) -> tuple[FrictionLa
     for name, numbers in given.items():
         if name not in LAWS or LAWS[name].feature == "rotors":
             known = [x for x, law in LAWS.items() if law.feature != "rotors"]
-            raise UnknownNameError("law", name, "identify: friction=", known)
-        made.append(_with_shape(LAWS[name], numbers or {}))
+            raise UnknownNameError("law", name, f"{function}: friction=", known)
+        made.append(_with_shape(function, LAWS[name], numbers or {}))
     return tuple(sorted(made, key=lambda x: x.by_load))
 
 
-def _with_shape(law: DriveLaw, numbers: Mapping[str, float]) -> FrictionLaw:
+def _with_shape(function: str, law: DriveLaw, numbers: Mapping[str, float]) -> FrictionLaw:
     if len(law.parameters) != 1 and not (law.losses and len(law.numbers) == 1):
         raise FreebodyError(
-            f"identify: a log does not tell the {law.words} by a regression, since torques are not "
-            f"linear in its numbers. Take 'load' for losses in a gear, and the model's springs as "
-            f"known."
+            f"{function}: a log does not tell the {law.words} by a regression, since torques are "
+            f"not linear in its numbers. Take 'load' for losses in a gear, and the model's springs "
+            f"as known."
         )
     needed = [x.name for x in law.numbers[1:]]
     for name in numbers:
         if name not in needed:
-            raise UnknownNameError("number", name, f"identify: friction law {law.name!r}", needed)
+            raise UnknownNameError("number", name, f"{function}: friction law {law.name!r}", needed)
     missing = [name for name in needed if name not in numbers]
     if missing:
         example = ", ".join(f'"{name}": …' for name in needed)
         raise FreebodyError(
-            f"identify: torques are not linear in {missing[0]} of the {law.words}; give it, as "
+            f"{function}: torques are not linear in {missing[0]} of the {law.words}; give it, as "
             f'friction={{"{law.name}": {{{example}}}}}.'
         )
     values = {law.strength: 1.0} | {name: float(x) for name, x in numbers.items()}
@@ -193,6 +195,7 @@ def _with_shape(law: DriveLaw, numbers: Mapping[str, float]) -> FrictionLaw:
 
 
 def regression_columns(
+    function: str,
     model: Model,
     friction: Sequence[FrictionLaw] = (),
     rotors: bool = True,
@@ -203,7 +206,7 @@ def regression_columns(
     Raises FreebodyError for a model with loops, passive joints, or joints of more than one
     coordinate.
     """
-    structure = _without_numbers(model, rotors)
+    structure = _without_numbers(function, model, rotors)
     base = base_parameters(structure)
     inertial = _inertial(structure, base.parameters)
     kept = [k for k, column in enumerate(base.columns) if column in inertial]
@@ -250,17 +253,17 @@ def regression_columns(
     )
 
 
-def _without_numbers(model: Model, rotors: bool) -> Model:
+def _without_numbers(function: str, model: Model, rotors: bool) -> Model:
     """The model without friction and springs, with a rotor at each joint or at none."""
-    model.require_tree("identify")
+    model.require_tree(function)
     if model.passive:
         raise PassiveJointError(
-            f"identify: joint {model.passive_names[0]!r} of {model.name!r} is passive: a log tells "
-            f"no torque there. Take a model whose joints all have drives."
+            f"{function}: joint {model.passive_names[0]!r} of {model.name!r} is passive: a log "
+            f"tells no torque there. Take a model whose joints all have drives."
         )
     if model.nq != model.nv or not set(model.velocity_names) <= set(model.joint_names):
         raise FreebodyError(
-            f"identify: {model.name!r} has joints of more than one coordinate, or a free base; "
+            f"{function}: {model.name!r} has joints of more than one coordinate, or a free base; "
             f"logs are read of joints that turn or slide. Take an arm on a fixed base."
         )
     bare = model.without("friction", "rotors", "springs")

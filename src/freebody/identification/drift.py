@@ -83,7 +83,7 @@ def friction_change(
     """How much the friction of each joint with notable friction changed between two regressions."""
     found = []
     for j, (a, b) in enumerate(zip(before.rows, after.rows, strict=True)):
-        own, others = _of_friction(before.columns, a), _of_friction(after.columns, b)
+        own, others = of_friction(before.columns, a), of_friction(after.columns, b)
         first = b.x[:, others] @ earlier.values[a.unknowns[own]]
         size = float(first @ first)
         if size < _LEAST**2 * float(b.y @ b.y):
@@ -107,7 +107,7 @@ def friction_drift(found: LogEquations, x: Regressed) -> tuple[FrictionDrift, ..
     blocks, log, time = _blocks(found)
     made = []
     for j, rows in enumerate(found.rows):
-        own = _of_friction(found.columns, rows)
+        own = of_friction(found.columns, rows)
         friction = rows.x[:, own] @ x.values[rows.unknowns[own]]
         if float(friction @ friction) < _LEAST**2 * float(np.sum((x.gains[j] * rows.y) ** 2)):
             continue
@@ -148,7 +148,7 @@ def drift_notices(drifts: Sequence[FrictionDrift]) -> list[str]:
     ]
 
 
-def _of_friction(columns: Columns, rows: JointEquations) -> NDArray[np.bool_]:
+def of_friction(columns: Columns, rows: JointEquations) -> NDArray[np.bool_]:
     """Flags of a joint's columns that are friction: neither bodies nor constant torques, which
     have other causes, nor gains."""
     end = columns.base + columns.friction_size

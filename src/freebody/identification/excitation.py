@@ -296,7 +296,10 @@ class _MotionSearch:
             chosen = int(np.clip(round(_CYCLES * duration), *_HARMONICS))
         if not is_count(chosen, 2):
             raise FreebodyError(f"excitation: harmonics is {harmonics!r}, expected 2 or more.")
-        columns = replace(regression_columns(model, friction_laws(friction)), smooth=_SMOOTH)
+        columns = replace(
+            regression_columns("excitation", model, friction_laws("excitation", friction)),
+            smooth=_SMOOTH,
+        )
         if columns.by_load:
             raise FreebodyError(
                 "excitation: load-dependent friction has no columns of its own; leave 'load' out "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -11,8 +10,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
+from freebody.identification.reported import Reported
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.display import TextTable, counted
 from freebody.outputs.number_text import weighted_sum
 
 _KNOWN = 0.1
@@ -57,7 +57,8 @@ class JointFit:
     model: RMS of what is left, over it, of the regression and of the physical model. validation:
     the same of the model on logs that it has not seen, or None. independent: by which the variance
     of estimates is larger than with independent samples. law_fits: whether friction by the rate
-    differs from the laws by no more than noise."""
+    differs from the laws by no more than noise. friction: what the regression takes for it, as far
+    as it goes with the rate, over the torque; negative where it pushes instead of braking."""
 
     joint: str
     torque: float
@@ -66,10 +67,11 @@ class JointFit:
     validation: float | None
     independent: float
     law_fits: bool
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identification(Tabled, ByValue):
+class Identification(Reported, ByValue):
     """The knowledge of a robot that logs give.
 
     model: physical, with the masses, rotors and friction that predict the logs. parameters: base
@@ -154,13 +156,7 @@ class Identification(Tabled, ByValue):
         head = ("joint", "RMS torque (N m, N)", "regression (%)", "model (%)", "unseen logs (%)")
         return TextTable(head, rows, (self.verdict, *self.notices))
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
-    def lines(self) -> list[str]:
-        """The identification in words and tables, line by line."""
-        table = self._table()
-        lines = [self._title(), "", *aligned_rows([table.head, *table.rows]), ""]
+    def _sections(self) -> list[tuple[str, TextTable]]:
         head = ("parameter", "value", "95 %", "in the model", "unit", "")
         rows = [
             (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
@@ -169,11 +165,12 @@ class Identification(Tabled, ByValue):
         sums = [
             (x.name, f"= {self.written(x.name)}") for x in self.parameters if x.kind == "inertial"
         ]
-        lines += [*aligned_rows([head, *rows]), "", "Base parameters are sums:"]
-        lines += [*aligned_rows(sums), "", self.verdict, *self.notices]
-        if self.next:
-            lines += ["", "What to measure next:", *self.next]
-        return lines
+        return [("", TextTable(head, rows)), ("Base parameters are sums:", TextTable((), sums))]
+
+    def lines(self) -> list[str]:
+        """The identification in words and tables, line by line, and what to measure next."""
+        more = ["", "What to measure next:", *self.next] if self.next else []
+        return [*super().lines(), *more]
 
 
 def _interval(x: IdentifiedParameter) -> str:
@@ -182,12 +179,3 @@ def _interval(x: IdentifiedParameter) -> str:
 
 def _remark(x: IdentifiedParameter) -> str:
     return x.withdrawn or ("" if x.told else "not told by these motions")
-
-
-def aligned_rows(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table of texts, its columns below one another."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

@@ -11,8 +11,9 @@ import numpy as np
 from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
 from freebody.identification.drift import FrictionChange
+from freebody.identification.reported import Reported
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import TextTable
 
 PayloadOutcome = Literal["told", "not told", "no payload alone"]
 
@@ -37,7 +38,7 @@ class PayloadNumber:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IdentifiedPayload(Tabled, ByValue):
+class IdentifiedPayload(Reported, ByValue):
     """The load that an arm carries, as its logs tell it.
 
     model: the given one with the load. frame: that the load is fixed to, in whose axes its numbers

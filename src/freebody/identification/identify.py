@@ -19,7 +19,7 @@ from freebody.identification.columns import (
     friction_laws,
     regression_columns,
 )
-from freebody.identification.drift import drift_notices, friction_drift
+from freebody.identification.drift import drift_notices, friction_drift, of_friction
 from freebody.identification.evidence import LogFit, log_fits
 from freebody.identification.filters import EVERYTHING
 from freebody.identification.given_logs import (
@@ -135,9 +135,9 @@ def identify(
     _require_load(carrying, load)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
-    laws = friction_laws(friction)
+    laws = friction_laws("identify", friction)
     key = f"_regression_columns {laws} {rotors}"
-    columns = kept(model, key, regression_columns, model, laws, rotors)
+    columns = kept(model, key, regression_columns, "identify", model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen, *carrying):
         require_joints("identify", log, columns.joints)
@@ -202,18 +202,18 @@ def _solved(
     of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
     start = None
     if smooth is None:
-        columns, start = suited(columns, logs, given, cutoff, of_prior)
+        columns, start = suited("identify", columns, logs, given, cutoff, of_prior)
     else:
         columns = replace(columns, smooth=smooth)
-    found = equations(columns, logs, given, cutoff)
+    found = equations("identify", columns, logs, given, cutoff)
     return found, regressed(found, of_prior, None if by_current else start)
 
 
 def _require_load(loaded: Sequence[Log], load: float | None) -> None:
     if bool(loaded) != (load is not None):
         raise FreebodyError(
-            "identify: loaded= and load= go together: logs with a load at the tip, and its mass in "
-            "kg."
+            "identify: loaded= and load= (--loaded and --load) go together: logs with a load at "
+            "the tip, and its mass in kg."
         )
     if load is not None and not (np.isfinite(load) and load > 0.0):
         raise FreebodyError(f"identify: load= is {load!r}; expected its mass, above 0 kg.")
@@ -277,7 +277,7 @@ def _validated(
     if not logs:
         return [None] * len(columns.joints), ()
     torques = [_predicted_torques(model, log, gains) for log in logs]
-    found = equations(columns, logs, torques, cutoff)
+    found = equations("identify", columns, logs, torques, cutoff)
     if columns.by_load:
         found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
@@ -323,9 +323,20 @@ def _joint_fits(
                 checked[j],
                 float(first.inflation[j] / found.inflation),
                 bool(accident[j] > _UNLIKELY),
+                _friction_part(found, first, j),
             )
         )
     return tuple(fits)
+
+
+def _friction_part(found: LogEquations, first: Regressed, j: int) -> float:
+    """The part of a joint's torque that the regression takes for friction, without constant
+    torques, as far as it goes with the rate; negative where it pushes."""
+    rows = found.rows[j]
+    own = of_friction(found.columns, rows)
+    friction = rows.x[:, own] @ first.values[rows.unknowns[own]]
+    size = np.linalg.norm(rows.rate) * np.linalg.norm(first.gains[j] * rows.y)
+    return float(friction @ rows.rate / size)
 
 
 def _parameters(

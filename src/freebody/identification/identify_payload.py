@@ -105,8 +105,9 @@ def identify_payload(
     """
     function = "identify_payload"
     require_model(function, model)
-    laws = friction_laws(friction)
-    columns = kept(model, f"_regression_columns {laws} True", regression_columns, model, laws, True)
+    laws = friction_laws(function, friction)
+    key = f"_regression_columns {laws} True"
+    columns = kept(model, key, regression_columns, function, model, laws, True)
     given = None if gains is None else np.broadcast_to(np.asarray(gains, float), (model.nv,))
 
     def logs_of(argument: str, logs: Logs) -> list[Log]:
@@ -119,12 +120,12 @@ def identify_payload(
     bare = [] if empty is None else logs_of("empty", empty)
     if not carried or (empty is not None and not bare):
         raise FreebodyError(f"{function}: loaded= and empty= need at least one log each.")
-    combine = columns.matrix @ on_frame(model, frame, columns)
-    with_load = load_regression(model, columns, carried, cutoff)
+    combine = columns.matrix @ on_frame(function, model, frame, columns)
+    with_load = load_regression(function, model, columns, carried, cutoff)
     evidence = evidence_of(*with_load)
     changes: tuple[FrictionChange, ...] = ()
     if bare:
-        without = load_regression(model, columns, bare, cutoff)
+        without = load_regression(function, model, columns, bare, cutoff)
         changes = friction_change(*without, *with_load)
         load = load_estimate(combine, *between(evidence_of(*without), evidence))
     else:

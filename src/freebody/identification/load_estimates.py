@@ -53,12 +53,12 @@ class LoadEstimate(NamedTuple):
 
 
 def load_regression(
-    model: Model, columns: Columns, logs: Sequence[Log], cutoff: float
+    function: str, model: Model, columns: Columns, logs: Sequence[Log], cutoff: float
 ) -> tuple[LogEquations, Regressed]:
     """The equations of logs that have torques, and their regression."""
     torques = [x for x in (torques_of(model, log) for log in logs) if x is not None]
-    columns, start = suited(columns, logs, torques, cutoff, None)
-    found = equations(columns, logs, torques, cutoff)
+    columns, start = suited(function, columns, logs, torques, cutoff, None)
+    found = equations(function, columns, logs, torques, cutoff)
     return found, regressed(found, None, start)
 
 
@@ -70,13 +70,13 @@ def evidence_of(found: LogEquations, x: Regressed) -> Evidence:
     return Evidence(x.values[:b], information[:b, :b] - left)
 
 
-def on_frame(model: Model, frame: str | None, columns: Columns) -> Array:
+def on_frame(function: str, model: Model, frame: str | None, columns: Columns) -> Array:
     """(p, k): by how much a load's parameters, in the axes of a frame, change those of the arm;
     from particles, whose own parameters are known."""
     at, size = model.frame(frame), len(body_parameters(of_dimension(model.dim)))
     if at.body < 0:
         raise FreebodyError(
-            f"identify_payload: no joint moves the frame {at.name!r}; name one of a link that "
+            f"{function}: no joint moves the frame {at.name!r}; name one of a link that "
             f"carries the load, frame=."
         )
     bare = model.without("friction", "rotors", "springs")

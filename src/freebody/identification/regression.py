@@ -143,7 +143,11 @@ class Regressed(NamedTuple):
 
 
 def equations(
-    columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float
+    function: str,
+    columns: Columns,
+    logs: Sequence[Log],
+    given: Sequence[Array] | None,
+    cutoff: float,
 ) -> LogEquations:
     """The filtered equations of logs.
 
@@ -166,9 +170,9 @@ def equations(
         unknowns = np.array([*row.unknowns, *extra], dtype=np.intp)
         if len(moving) < 2 * len(unknowns):
             raise FreebodyError(
-                f"identify: joint {columns.joints[j]!r} moves faster than {REST:g} rad/s (m/s) in "
-                f"{len(moving)} of {len(whole)} samples, too few to tell its friction; take logs "
-                f"in which every joint moves."
+                f"{function}: joint {columns.joints[j]!r} moves faster than {REST:g} rad/s (m/s) "
+                f"in {len(moving)} of {len(whole)} samples, too few to tell its friction; take "
+                f"logs in which every joint moves."
             )
         x = np.zeros((len(moving), len(unknowns)))
         x[:, : len(row.unknowns)] = whole[moving, row.results]
@@ -282,6 +286,7 @@ def noise_of(
 
 
 def suited(
+    function: str,
     columns: Columns,
     logs: Sequence[Log],
     given: Sequence[Array] | None,
@@ -297,9 +302,9 @@ def suited(
     for width in WIDTHS:
         own = replace(columns, smooth=width)
         try:
-            found = equations(own, short, taken, cutoff)
+            found = equations(function, own, short, taken, cutoff)
         except FreebodyError:  # a joint rests in the parts; it may move elsewhere
-            found = equations(own, logs, given, cutoff)
+            found = equations(function, own, logs, given, cutoff)
         tried.append((regressed(found, held), own))
     best, own = min(tried, key=lambda x: _left(x[0]))
     return own, best.values

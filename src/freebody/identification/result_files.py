@@ -15,7 +15,7 @@ import numpy as np
 from freebody.formats.writing import toml
 from freebody.identification.calibration.calibration import Calibration
 from freebody.identification.collisions import DetectedCollisions
-from freebody.identification.identification import Identification, aligned_rows
+from freebody.identification.identification import Identification
 from freebody.identification.identified_payload import IdentifiedPayload
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
@@ -43,8 +43,7 @@ def write_results(
         data["collisions"] = collision_data(collisions)
 
     def report() -> str:
-        texts = ["\n".join([*found.lines()]), *map(text_of, more)]
-        return "\n\n".join(texts) + "\n"
+        return "\n\n".join(map(str, (found, *more))) + "\n"
 
     makers: dict[str, Callable[[], str | bytes]] = {
         PAGE: page,
@@ -64,7 +63,7 @@ def write_calibration(
     about = {"robot": found.model.name, "poses": ", ".join(map(str, poses))}
 
     def report() -> str:
-        return "\n".join(found.lines()) + "\n"
+        return f"{found}\n"
 
     makers = _made(found.model, report, "calibration.json", calibration_data(found))
     return write_folder(directory, makers, about)
@@ -156,12 +155,6 @@ def collision_data(found: DetectedCollisions) -> dict[str, Any]:
             "notices": list(found.notices),
         }
     )
-
-
-def text_of(found: IdentifiedPayload | DetectedCollisions) -> str:
-    """A load or collisions in words and a table."""
-    own = found._table()
-    return "\n".join([*aligned_rows([own.head, *own.rows]), "", *own.notes])
 
 
 def plain(x: Any) -> Any:

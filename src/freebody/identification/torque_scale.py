@@ -58,12 +58,16 @@ def scale_by_load(
     mass (kg) at the tip and without it. Raises FreebodyError where they do not show the load."""
     kinds = [
         load_regression(
-            model, columns, [replace(x, torque=_torque(x, first.gains)) for x in logs], cutoff
+            "identify",
+            model,
+            columns,
+            [replace(x, torque=_torque(x, first.gains)) for x in logs],
+            cutoff,
         )
         for logs in (empty, loaded)
     ]
     difference, information = between(*(evidence_of(*kind) for kind in kinds))
-    combine = columns.matrix @ on_frame(model, None, columns)
+    combine = columns.matrix @ on_frame("identify", model, None, columns)
     load = load_estimate(combine, difference, information)
     found, variance = float(load.estimate[0]), float(load.covariance[0, 0])
     variance *= max(load.chi2 / load.freedom, 1.0)

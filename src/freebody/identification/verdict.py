@@ -14,7 +14,12 @@ QUANTILE = 1.96
 _NOISY = 3.0
 """Times the inflation of white noise above which a residual is more than noise."""
 _WORSE, _POINTS = 1.5, 0.01
-"""Factor, and part of the torque besides, by which unseen logs may be predicted worse."""
+"""Factor, and part of the torque besides, by which unseen logs may be predicted worse, or a robot
+that can exist be worse than the regression."""
+_NOTHING = 0.5
+"""Part of a joint's torque that is left from which on it is not predicted at all."""
+_BRAKES = 0.05
+"""Part of a joint's torque from which on friction is large enough to have a direction."""
 
 
 class ToldScale(NamedTuple):
@@ -35,8 +40,23 @@ def outcome_of(joints: Sequence[JointFit]) -> IdentificationOutcome:
     """Whether the model predicts what it has not seen about as well as what it was made from."""
     if joints[0].validation is None:
         return "not validated"
-    worse = [x for x in joints if (x.validation or 0.0) > _WORSE * x.model + _POINTS]
-    return "fails" if worse else "predicts"
+    left = [(x.validation or 0.0, x.model) for x in joints]
+    worse = [x for x in left if x[0] > _NOTHING or _much_more(*x)]
+    return "fails" if worse or _impossible(joints) else "predicts"
+
+
+def _impossible(joints: Sequence[JointFit]) -> list[str]:
+    """Joints whose torque no robot that can exist gives: the regression leaves far less, or hardly
+    anything of it is predicted, or its friction pushes."""
+    return [
+        x.joint
+        for x in joints
+        if _much_more(x.model, x.regression) or x.model > _NOTHING or x.friction < -_BRAKES
+    ]
+
+
+def _much_more(left: float, expected: float) -> bool:
+    return left > _WORSE * expected + _POINTS
 
 
 def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held: Prior) -> str:
@@ -88,11 +108,13 @@ def mass_doubts(held: Prior, scale: ToldScale) -> list[str]:
     """Doubts on its masses that the model itself carries, wherever it is saved and used."""
     factor = ""
     if scale.factors[0] == 0.0:
-        factor = ", and all are right up to one unknown factor"
+        factor = "right up to one unknown factor"
     elif not is_known(scale.factors):
-        factor = f", and all are right up to one factor, told to {scale.percent}"
+        factor = f"right up to one factor, told to {scale.percent}"
     if held.source == "model":
-        return [f"the model is identified from currents{factor}."] if factor else []
+        said = "the model is identified from currents: masses, frictions and torques are"
+        return [f"{said} {factor}."] if factor else []
+    factor = f", and all are {factor}" if factor else ""
     what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
     return [
         f"the model is identified from logs: torques of its drives follow from them, but single "
@@ -128,6 +150,24 @@ def notices_of(
         found.append(
             "No masses were given: single masses, centres and inertias in the model are guesses "
             "from its geometry that agree with the base parameters; torques do not depend on them."
+        )
+    pushing = [x.joint for x in joints if x.friction < -_BRAKES]
+    if pushing:
+        found.append(
+            f"Friction pushes instead of braking at {', '.join(pushing)}: the torques are those of "
+            f"another joint or log, or they or the positions and rates have the other sign; write "
+            f"signs or columns in the table [log] of the logs' TOML file."
+        )
+    strange = [x for x in joints if x.joint in _impossible(joints) and x.joint not in pushing]
+    if strange:
+        left = ", ".join(
+            f"{x.joint} ({100.0 * x.model:.0f} %; of any masses, {100.0 * x.regression:.0f} %)"
+            for x in strange
+        )
+        found.append(
+            f"No robot of this geometry gives these torques: so much of them is left at {left}. "
+            f"Look whether the columns are in the joints' order, with their signs and units, and "
+            f"whether geometry, zeros and gravity are the robot's."
         )
     wrong = [x.joint for x in joints if not x.law_fits]
     if wrong:

@@ -80,6 +80,37 @@ def test_a_clean_log_sets_the_thresholds():
     assert np.all(wrong.threshold > found.threshold)
 
 
+@pytest.mark.parametrize("by_clean", [False, True])
+def test_a_joint_that_crawls_between_rests_is_not_pushed(by_clean):
+    """What dry friction holds of a resting joint is no part of what the model lacks in motion, and
+    motions that differ from those of a clean log give no alarms."""
+    model = with_random_numbers(ARM, np.random.default_rng(7), FRICTION)
+    false = 0
+    for seed in range(6):
+        clean = resting_log(model, seed + 100) if by_clean else None
+        false += len(fb.detect_collisions(model, resting_log(model, seed), clean=clean))
+    assert false == 0
+    hit = pushed(resting_log(model, 0), np.array([15.0, 0.0, 0.0]), 5.2)
+    assert [x.joint for x in fb.detect_collisions(model, hit).collisions] == ["joint1"]
+
+
+def resting_log(model, seed):
+    """A log of moves of 2 s and rests of 1 s, in which some joints crawl."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(2001) / 100.0
+    q = np.zeros((len(t), model.nv))
+    for start in np.arange(0.5, 18.0, 3.0):
+        s = np.clip(0.5 * (t - start), 0.0, 1.0)[:, None]
+        step = rng.uniform(-1.0, 1.0, model.nv) * rng.choice([1.0, 0.06], model.nv)
+        q += step * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    qd = np.gradient(q, t, axis=0)
+    tau = fb.inverse_dynamics(model, q, qd, np.gradient(qd, t, axis=0))
+    tau = tau + 0.02 * np.sqrt(np.mean(tau**2, axis=0)) * rng.normal(size=tau.shape)
+    rates = qd + 1e-3 * rng.normal(size=q.shape)
+    names = model.velocity_names
+    return fb.Log(t, q, rates, tau, None, names, np.ones(len(t), dtype=bool))
+
+
 def test_a_model_that_lacks_much_is_told():
     model, clean, _, _ = case(0)
     found = fb.detect_collisions(model.without("friction"), clean)

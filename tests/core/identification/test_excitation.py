@@ -184,7 +184,7 @@ def test_what_cannot_be_is_refused(case: str) -> None:
 
 
 def test_closed_chains_and_passive_joints_are_refused() -> None:
-    with pytest.raises(fb.FreebodyError, match="is passive"):
+    with pytest.raises(fb.FreebodyError, match=r"^excitation: joint .* is passive"):
         fb.excitation(fb.load("pendubot"), 10.0)
     with pytest.raises(fb.FreebodyError):
         fb.excitation(fb.load("four_bar"), 10.0)

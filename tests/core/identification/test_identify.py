@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -235,6 +238,42 @@ def test_gains_from_known_bodies_are_right_on_average_and_from_masses_within_wha
             np.testing.assert_allclose(np.ptp(found[-1]), 0.0, atol=0.05)
     assert abs(np.mean(of_bodies)) < 0.02
     assert np.all(np.abs(of_masses) < 0.5)
+
+
+EXCHANGED = [1, 0, 2]
+WRONG = {
+    "sign of torques": (lambda x: replace(x, torque=x.torque * [1, -1, 1]), "pushes.* joint2:"),
+    "sign of a joint": (
+        lambda x: replace(x, position=x.position * [1, -1, 1], velocity=x.velocity * [1, -1, 1]),
+        "pushes.* joint2:",
+    ),
+    "columns of torques": (lambda x: replace(x, torque=x.torque[:, EXCHANGED]), "pushes.* joint1"),
+    "torques in N cm": (lambda x: replace(x, torque=x.torque * [1, 100, 1]), "No robot of this"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_torques_that_no_robot_gives_are_told_and_not_trusted(name):
+    change, said = WRONG[name]
+    rng = np.random.default_rng(11)
+    model = with_random_numbers(ARM, rng, FRICTION)
+    used, unseen = log(model, rng), log(model, rng)
+    good = fb.identify(ARM, used, validate=unseen, friction=FRICTION)
+    assert good.trusted
+    assert not any("pushes" in x or "No robot" in x for x in good.notices)
+    found = fb.identify(ARM, change(used), validate=change(unseen), friction=FRICTION)
+    assert found.outcome == "fails"
+    assert any(re.search(said, x) for x in found.notices)
+    assert found.verdict.startswith("Does not predict")
+
+
+def test_a_load_that_was_not_said_is_told():
+    rng = np.random.default_rng(11)
+    model = with_random_numbers(ARM, rng, FRICTION)
+    carrying = log(model.with_payload(2.0), rng)
+    found = fb.identify(ARM, log(model, rng), validate=carrying, friction=FRICTION)
+    assert found.outcome == "fails"
+    assert any("carries the same in all logs" in x for x in found.next)
 
 
 def test_springs_of_the_model_are_known():

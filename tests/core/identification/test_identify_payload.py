@@ -120,5 +120,10 @@ def test_what_tells_no_load_is_refused():
         fb.identify_payload(ARM, loaded)
     with pytest.raises(fb.FreebodyError, match="no joint moves the frame 'base'"):
         fb.identify_payload(ARM, loaded, loaded, frame="base")
+    short = log(arm(np.random.default_rng(0)), np.random.default_rng(1), duration=2.5)
+    with pytest.raises(fb.FreebodyError, match=r"^identify_payload: joint 'joint1' moves faster"):
+        fb.identify_payload(ARM, short, loaded)
+    with pytest.raises(fb.UnknownNameError, match="identify_payload: friction="):
+        fb.identify_payload(ARM, loaded, loaded, friction=["viscos"])
     with pytest.raises(fb.FreebodyError, match="at least one log"):
         fb.identify_payload(ARM, [], loaded)

@@ -23,7 +23,12 @@ from freebody.identification.calibration.calibration import (
     source_of,
 )
 from freebody.identification.calibration.chain import MeasuredChain, chain_to
-from freebody.identification.calibration.fit import CalibrationFit, fit
+from freebody.identification.calibration.fit import (
+    CalibrationFit,
+    fit,
+    marker_doubt,
+    require_enough,
+)
 from freebody.identification.calibration.instrument import FittedPose, guess
 from freebody.identification.calibration.misfit import misfits_of
 from freebody.identification.calibration.poses import Poses, poses_of, rotations
@@ -33,8 +38,6 @@ from freebody.model.model_argument import require_model
 from freebody.outputs.display import counted
 from freebody.trees.positions import random_state
 
-_FEWEST = 6
-"""Poses without which nothing is told."""
 _CONFIDENCE = 0.975
 """Probability up to the upper end of an interval of 95 %."""
 _NO_BETTER = 0.9
@@ -45,6 +48,8 @@ _SURPRISING = 4.0
 """Standard deviations of the prior by which the robot may differ from its model."""
 _WILD = 0.1
 """Part of the poses that may be wild."""
+_PLACED = 0.02
+"""Standard deviation of the marker's place (m) from which on it is not told."""
 _CANDIDATES, _NEXT = 256, 5
 
 MeasuredPoses = Poses | str | os.PathLike[str] | tuple[ArrayLike, ArrayLike]
@@ -117,11 +122,6 @@ def calibrate(
     chain = chain_to(model, frame, gears is not None)
     seen = _poses("q", model, q if poses is None else (q, poses))
     unseen = None if validate is None else _poses("validate", model, validate)
-    if len(seen) < _FEWEST:
-        raise FreebodyError(
-            f"calibrate: {counted(len(seen), 'pose')}; measure at least {_FEWEST}, and some tens "
-            f"for a good calibration."
-        )
     if unseen is not None and (unseen.rotation is None) != (seen.rotation is None):
         raise FreebodyError(
             "calibrate: of q and validate, one has rotations and the other positions alone; "
@@ -131,6 +131,7 @@ def calibrate(
     stated = _noise(noise, seen)
     held = _instrument(instrument), _marker(marker, seen)
     unknown = held[0] is None, held[1] is None
+    require_enough(chain, seen, held, spread)
     start = guess(chain, seen, *held)
     first = fit(chain, seen, start, unknown, None, None)
     found = fit(chain, seen, start, unknown, spread, stated)
@@ -216,7 +217,8 @@ def _calibration(first: CalibrationFit, found: CalibrationFit, unseen: Poses | N
     chain, k, kept = found.chain, found.geometry, found.kept
     names, spread = chain.names, found.spread[:k]
     root = found.root[:k]
-    covariance = root @ root.T
+    unsure, more = marker_doubt(found)
+    covariance = root @ root.T + more
     parameters = _parameters(found, covariance)
     combinations = combinations_of(names, covariance, found.x / spread)
     errors = {
@@ -249,7 +251,7 @@ def _calibration(first: CalibrationFit, found: CalibrationFit, unseen: Poses | N
         next_poses=_next_poses(found),
         outcome=outcome,
         verdict=_verdict(outcome, errors, combinations, misfits, loud),
-        notices=_notices(found, left_out, combinations),
+        notices=_notices(found, left_out, combinations, unsure),
         **errors,  # type: ignore[arg-type]  # those that are None may be
     )
 
@@ -354,7 +356,10 @@ def _verdict(
 
 
 def _notices(
-    found: CalibrationFit, left_out: Sequence[int], combinations: Sequence[Combination]
+    found: CalibrationFit,
+    left_out: Sequence[int],
+    combinations: Sequence[Combination],
+    unsure: float,
 ) -> tuple[str, ...]:
     """Sentences on what was left out, what surprises, and what the result does not hold."""
     said = list(found.poses.notices)
@@ -371,6 +376,12 @@ def _notices(
             f"The robot differs from its model by {far:.1f} standard deviations of what was held "
             f"possible: what the poses do not tell may be off as much. Give a larger shift=, turn= "
             f"or offset=."
+        )
+    if unsure > _PLACED:
+        said.append(
+            f"The poses do not tell where the marker sits in {found.chain.frame}: another place of "
+            f"the instrument makes up for it; so tilts and shifts of joints are told apart less "
+            f"well. Give its place, marker=."
         )
     if any(x.source == "prior" for x in combinations):
         said.append(

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, check_core
 from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
-from freebody.identification.identification import aligned_rows
+from freebody.identification.reported import Reported
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.display import TextTable, counted
 
 CalibrationOutcome = Literal["calibrated", "no better", "does not fit"]
 NumberSource = Literal["measured", "partly", "prior"]
@@ -82,7 +82,7 @@ class PoseErrors:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration(Tabled, ByValue):
+class Calibration(Reported, ByValue):
     """The geometry of a robot that measured poses give.
 
     model: with the geometry found. parameters: how far its numbers are off, joint by joint.
@@ -164,13 +164,7 @@ class Calibration(Tabled, ByValue):
         head = ("errors", "position (RMS, mm)", "rotation (RMS, mrad)")
         return TextTable(head, rows, (self.verdict, *self.notices))
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
-    def lines(self) -> list[str]:
-        """The calibration in words and tables, line by line."""
-        table = self._table()
-        lines = [self._title(), "", *aligned_rows([table.head, *table.rows]), ""]
+    def _sections(self) -> list[tuple[str, TextTable]]:
         head = ("parameter", "off by", "95 %", "beforehand ±", "unit", "comes from")
         rows = [
             (
@@ -183,12 +177,9 @@ class Calibration(Tabled, ByValue):
             )
             for x in self.parameters
         ]
-        lines += [*aligned_rows([head, *rows]), ""]
-        prior = self._of_source("prior")
-        if prior:
-            lines += ["Not told by these poses, in standard deviations of the prior:"]
-            lines += [f"  {x}" for x in prior] + [""]
-        return [*lines, self.verdict, *self.notices]
+        prior = [(f"  {x}",) for x in self._of_source("prior")]
+        said = "Not told by these poses, in standard deviations of the prior:"
+        return [("", TextTable(head, rows)), *([(said, TextTable((), prior))] if prior else [])]
 
 
 _SOURCES = {"measured": "the poses", "partly": "poses and prior", "prior": "the prior"}

@@ -160,21 +160,20 @@ class MeasuredChain:
         n, k = arms.shape[:2]
         linear = np.zeros((n, 3, k * count + 12))
         angular = np.zeros((n, 3, k * count + 12))
-        for j in range(k):
-            axes, first = R[:, j], j * count
-            # the shift is in the axes before the turn
-            before = axes @ turned(rows[j, 3:6]).T
-            linear[:, :, first : first + 3] = before
-            spins = axes @ right_jacobian(rows[j, 3:6])
-            angular[:, :, first + 3 : first + 6] = spins
-            linear[:, :, first + 3 : first + 6] = -skew(arms[:, j]) @ spins
-            spin, slide = axes @ self.spins[j], axes @ self.slides[j]
-            angular[:, :, first + 6] = spin
-            linear[:, :, first + 6] = np.cross(spin, arms[:, j]) + slide
-            if self.gears:
-                for change in (angular, linear):
-                    own = change[:, :, first + 6]
-                    change[:, :, first + 7] = own * q[:, self.columns[j], None]
+        moves, spins = (  # the joints' own columns (n, k, 3, count)
+            np.moveaxis(part[:, :, : k * count].reshape(n, 3, k, count), 1, 2)
+            for part in (linear, angular)
+        )
+        axes = R[:, :-1]
+        # the shift is in the axes before the turn
+        moves[..., :3] = axes @ np.swapaxes(turned(rows[:, 3:6]), 1, 2)
+        spins[..., 3:6] = axes @ np.array([right_jacobian(row[3:6]) for row in rows])
+        spins[..., 6] = (axes @ self.spins[:, :, None])[..., 0]
+        moves[..., 3:7] = -skew(arms) @ spins[..., 3:7]
+        moves[..., 6] += (axes @ self.slides[:, :, None])[..., 0]
+        if self.gears:
+            for part in (moves, spins):
+                part[..., 7] = part[..., 6] * q[:, self.columns, None]
         at = k * count
         linear[:, :, at : at + 3] = np.eye(3)
         angular[:, :, at + 3 : at + 6] = R_IW

@@ -22,6 +22,8 @@ from freebody.identification.calibration.chain import MeasuredChain, rotation_ve
 from freebody.identification.calibration.instrument import FittedPose, Guess
 from freebody.identification.calibration.poses import Poses
 from freebody.motion.ranges import Flags
+from freebody.outputs.display import counted
+from freebody.trees.positions import random_state
 
 _STEPS, _LATER = 60, 5
 """Most steps of a fit, and most times that wild poses are sought."""
@@ -40,6 +42,15 @@ _ACCIDENT = 1e-3
 """Probability, over all poses, that one is taken for wild by accident."""
 _ROWS = 1.5
 """Measured coordinates for each number that they tell, below which they do not tell their noise."""
+_LEAST_POSES, _GENERIC = 6, 60
+"""Poses without which nothing is told, and random ones that tell as much as any do."""
+_ONES = np.ones(2)
+"""Noise of positions and rotations where it does not matter."""
+_SOMEWHERE = FittedPose(np.eye(3), np.array([0.1, 0.2, 0.3]))
+"""A marker on no joint's axis."""
+_FARTHEST = 0.2
+"""Standard deviation (m) of the marker's place in its frame beforehand: it sits on a tool. Poses
+tell it far better, but for a height that moving the instrument makes up for."""
 _RANK = 1e-9
 """Part of the largest singular value below which a combination is not told at all."""
 
@@ -64,10 +75,10 @@ class CalibrationFit:
     """A fitted geometry x with the instrument and the marker, and what it leaves.
 
     spread: standard deviations (k,) of the unknowns beforehand, 1 for those of instrument and
-    marker, whose prior is flat. active: indices of those that are not known. root: (a, a), the
-    covariance of these afterwards is root rootᵀ in these units. noise: standard deviations of
-    positions, m, and of rotations, rad. freedom: degrees of freedom of each. kept: flags (n,) of
-    the poses that count.
+    marker, whose prior is flat but for the marker's place. active: indices of those that are not
+    known. root: (a, a), the covariance of these afterwards is root rootᵀ in these units. noise:
+    standard deviations of positions, m, and of rotations, rad. freedom: degrees of freedom of each.
+    kept: flags (n,) of the poses that count.
     """
 
     chain: MeasuredChain
@@ -89,6 +100,12 @@ class CalibrationFit:
     def geometry(self) -> int:
         """The number of active unknowns of the geometry, which come first."""
         return int(np.sum(self.active < len(self.chain.names)))
+
+    @property
+    def marker_place(self) -> NDArray[np.intp]:
+        """Indices, among the active unknowns, of the marker's place: three, or none."""
+        k = len(self.x)
+        return np.flatnonzero((self.active >= k + 6) & (self.active < k + 9))
 
     def residuals(self, poses: Poses) -> Residuals:
         """Residuals of poses that are predicted."""
@@ -150,7 +167,6 @@ def fit(
     found = _start(chain, poses, start, unknown, spread, noise)
     if not len(found.active):
         return found
-    _require_enough(found)
     found = _settled(found, robust=True)
     for _ in range(_LATER):
         kept = ~found.wild()
@@ -167,17 +183,63 @@ def fit(
     return found
 
 
-def _require_enough(found: CalibrationFit) -> None:
-    """Refuse poses that are too few to tell the unknowns and their own noise."""
+def marker_doubt(found: CalibrationFit) -> tuple[float, Array]:
+    """How far (m, standard deviation) the marker may be from its place, and what that adds to the
+    covariance of the geometry, in units of the prior.
+
+    To first order nothing: the instrument makes up for it. But a frame that may be turned by φ
+    moves a marker at a distance h by φ h, so that with h a shift is not told either.
+    """
+    g, place = found.geometry, found.marker_place
+    if not len(place):
+        return 0.0, np.zeros((g, g))
+    _, size, ways = np.linalg.svd(found.root[place], full_matrices=False)
+    poses = found.poses.of(found.kept)
+    elsewhere = _moved(found, found.root @ ways[0])
+    here, there = (
+        x.whitened(x.residuals(poses))[0].reshape(-1, len(found.active)) for x in (found, elsewhere)
+    )
+    covariance = found.root @ found.root.T
+    shifts = covariance[:g] @ here.T @ (there - here)[:, :g]
+    return _FARTHEST * float(size[0]), shifts @ covariance[:g, :g] @ shifts.T
+
+
+def require_enough(
+    chain: MeasuredChain,
+    poses: Poses,
+    held: tuple[FittedPose | None, FittedPose | None],
+    spread: Array,
+) -> None:
+    """Refuses poses that are too few to tell the unknowns and their own noise, with the number that
+    suffices wherever they are; fewer do where they move few joints.
+
+    held: the instrument and the marker, None where they are unknown. spread: as of `fit`.
+    """
+    unknown = held[0] is None, held[1] is None
+    start = Guess(held[0] or FittedPose(np.eye(3), np.zeros(3)), held[1] or _SOMEWHERE, 0.0)
+
+    def fewest(some: Poses) -> tuple[int, int]:
+        return _fewest(_start(chain, some, start, unknown, spread, _ONES))
+
+    _, least = fewest(poses)
+    if len(poses) >= max(least, _LEAST_POSES):
+        return
+    q, _, _ = random_state(chain.model, 0, _GENERIC)
+    axes = None if poses.rotation is None else np.tile(np.eye(3), (_GENERIC, 1, 1))
+    told, needed = fewest(Poses(q, np.zeros((_GENERIC, 3)), axes))
+    raise FreebodyError(
+        f"calibrate: {counted(len(poses), 'pose')}; {told} numbers of {chain.model.name!r} show at "
+        f"{chain.frame!r}: measure at least {max(needed, least, _LEAST_POSES)} poses, better twice "
+        f"as many."
+    )
+
+
+def _fewest(found: CalibrationFit) -> tuple[int, int]:
+    """How many numbers the poses of a fit tell, and how many poses tell so many, and noise."""
     columns, left = found.whitened(found.residuals(found.poses))
     size = np.linalg.svd(columns.reshape(-1, columns.shape[2]), compute_uv=False)
     told = int(np.sum(size > _RANK * size.max(initial=0.0)))
-    needed = int(np.ceil(_ROWS * told / left.shape[1]))
-    if len(left) < needed:
-        raise FreebodyError(
-            f"calibrate: {len(left)} poses for {told} numbers that such poses tell; measure at "
-            f"least {needed}, better twice as many."
-        )
+    return told, int(np.ceil(_ROWS * told / left.shape[1]))
 
 
 def _start(
@@ -193,7 +255,9 @@ def _start(
     active += [*range(k, k + 6)] if unknown[0] else []
     active += [*range(k + 6, k + (9 if poses.rotation is None else 12))] if unknown[1] else []
     first = np.full(1 if poses.rotation is None else 2, 1.0)
-    whole = np.concatenate([np.ones(k) if spread is None else spread, np.ones(12)])
+    whole = np.concatenate(
+        [np.ones(k) if spread is None else spread, np.ones(6), np.full(3, _FARTHEST), np.ones(3)]
+    )
     found = CalibrationFit(
         chain,
         poses,
@@ -244,6 +308,8 @@ def _stepped(found: CalibrationFit) -> tuple[CalibrationFit, float]:
     u, s, vt = np.linalg.svd(stacked[:, :-1], full_matrices=False)
     prior = np.zeros(size)
     prior[: found.geometry] = -(found.x / found.spread[: len(found.x)])[: found.geometry]
+    place = found.marker_place
+    prior[place] = -(found.marker.p / _FARTHEST)[: len(place)]
     scale = np.sqrt(1.0 + s**2)
     step = (s * (u.T @ stacked[:, -1]) + vt @ prior) / scale
     root = vt.T / scale
