@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
+from freebody.moving.renderer import renderer
 from freebody.moving.scene import scene
 from freebody.outputs.page_script import joined, packed
 from freebody.report.page_figures import TOTAL
@@ -29,10 +30,6 @@ _MOST = 600
 """Instants at which a page shows a motion; of longer ones every second sample, or fewer."""
 _MARKS = 6  # instants with a button of their own
 _DRIVES = 12  # rows of the table of an instant
-_RENDERER = (
-    "numbers.js", "inflated.js", "solids.js", "raster.js", "camera.js", "floor.js", "labels.js",
-    "stage.js",
-)  # fmt: skip
 _PLAYER = "what_if", "player"
 _USED = 3  # limits whose nearest instants are marked
 
@@ -107,7 +104,6 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         "nv": study.model.nv,
         "drives": drives,
     }
-    script = joined("freebody.moving", _RENDERER) + "\n"
     player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
@@ -119,7 +115,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
-    text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{script}{player}\n'
+    text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{renderer()}\n{player}\n'
     names = enumerate(shortened([drive["name"] for drive in drives]))
     what_rows = tuple(WhatRow(name, k) for k, name in names)
     heads = ("position", "speed", "torque, force")

@@ -1,26 +1,20 @@
 // The motion of a study: one cursor moves the robot, the curves and the table of this instant.
 
-const find = (id) => document.getElementById(id), SVG = "http://www.w3.org/2000/svg";
-function made(name, attributes, parent) {
-  const element = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  parent.append(element);
-  return element;
-}
+const find = (id) => document.getElementById(id);
 
 // A plot on the page: a vertical line with a dot on each curve, and what they are there.
 class Reading {
   constructor(figure, plot, columns, times) {
     Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
-    this.line = made("line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]}, this.svg);
-    this.dots = plot.curves.map(({colour}) => made("circle", {class: `spot${colour} f${colour}`, r: 3}, this.svg));
+    this.line = put(this.svg, "line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]});
+    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, r: 3}));
     this.text = document.createElement("p");
     this.text.className = "reading";
     const [left, top, right, bottom] = plot.page, box = {x: left, y: top, width: right - left, height: bottom - top, viewBox: `${left} ${top} ${right - left} ${bottom - top}`};
-    this.within = made("svg", box, this.svg);
+    this.within = put(this.svg, "svg", box);
     this.values = plot.curves.map(({name, colour}) => {
-      const item = document.createElement("span"), mark = made("svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}, item), value = document.createElement("b");
-      made("circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4}, mark);
+      const item = document.createElement("span"), mark = put(item, "svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}), value = document.createElement("b");
+      put(mark, "circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4});
       item.append(` ${name} `, value);
       this.text.append(item, " ");
       return value;
@@ -54,7 +48,7 @@ class Reading {
       this.values[i].parentElement.classList.toggle("anew", Boolean(column.anew));
       if (!column.anew) return;
       const points = Array.from(this.times, (t, k) => this.place(t, column.values[k]).map((x) => x.toFixed(1)).join(" "));
-      made("path", {class: "again", d: `M${points.join("L")}`}, this.within);
+      put(this.within, "path", {class: "again", d: `M${points.join("L")}`});
       const ends = [Math.min(...column.values), Math.max(...column.values)];
       if (ends[0] < low || ends[1] > high) left.push(...ends);
     });
