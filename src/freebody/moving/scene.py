@@ -157,6 +157,21 @@ def scene(model: Model, q: Array) -> Scene:
     )
 
 
+def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | None]]:
+    """The place of each body's joint and the direction of its axis, fixed in the body; None: it has
+    no axis in space. A turn of the plane is about z."""
+    pose, anchors = skeleton(model, q), BodyAnchors(model, q)
+    found: list[tuple[FramePlace, FramePlace | None]] = []
+    for body in pose.bodies:
+        at, way = anchors.origin(body), None
+        if body.axis is not None:
+            way = at.way(body.axis)
+        elif model.dim == 2 and body.kind.turns:
+            way = FramePlace(0, (0.0, 0.0, 1.0))
+        found.append((at.place(), way))
+    return found
+
+
 def box_of(poses: Iterable[Skeleton], size: float) -> Array:
     """The box (2, 3) around all places of some poses, with a margin."""
     places = np.concatenate([pose.places for pose in poses])

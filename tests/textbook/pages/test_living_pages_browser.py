@@ -294,7 +294,11 @@ def in_body_axes(p_d, angles, rates):
 
 
 PAINTED = """const canvas = document.getElementById(`${arguments[0]}-solids`);
-const {width, height} = canvas, {data} = canvas.getContext('2d').getImageData(0, 0, width, height);
+const {width, height} = canvas;
+const copy = Object.assign(document.createElement('canvas'), {width, height});
+const context = copy.getContext('2d', {willReadFrequently: true});
+context.drawImage(canvas, 0, 0);
+const {data} = context.getImageData(0, 0, width, height);
 let count = 0, left = width, top = height, right = 0, bottom = 0;
 for (let k = 3; k < data.length; k += 4) {
   if (!data[k]) continue;

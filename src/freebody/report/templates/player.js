@@ -64,12 +64,20 @@ class Reading {
   }
 }
 
+// Pixels: the longest arrow on the robot, the radius of an arc; shares of the largest that are seen.
+const LONGEST = 60, ROUND = 21, WHOLE = 1.5 * Math.PI, LEAST = 0.02;
+// A direction of space across another, and one across both.
+function acrossBoth(way) {
+  const k = mostAcross(way), first = unit(minus([0, 1, 2].map((i) => +(i === k)), way.map((x) => x * way[k])));
+  return [first, cross(way, first)];
+}
+
 class Player {
   constructor(study, t, q, columns) {
     Object.assign(this, {study, t, k: study.first, speed: 1, playing: false, work: []});
     this.q = Array.from(t, (_, k) => q.subarray(k * study.nq, (k + 1) * study.nq));
     this.columns = columns;
-    this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed);
+    this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed, {notes: (stage) => this.acting(stage)});
     this.stage.frame(this.q.filter((_, k) => k % Math.ceil(this.q.length / 40) === 0));
     if (study.scene.tip) this.tips = this.stage.places(this.q, study.scene.tip);
     this.stage.path = this.tips || [];
@@ -102,6 +110,21 @@ class Player {
       find("play").click();
     });
     this.show(this.k);
+  }
+  // The torques and forces of the drives, and the velocity of the tip, on the robot.
+  acting(stage) {
+    const {study: {drives, arrows, scene}, columns, k} = this, {sheet} = stage;
+    for (const {at, axis, effort, unit: of} of drives) {
+      const share = columns[effort].values[k] / arrows.lengths[of];
+      if (!axis || !(Math.abs(share) > LEAST)) continue;
+      const way = wayInWorld(stage.frames, axis), from = stage.at(at);
+      if (of === "N") arrow(sheet, "external", from, plus(from, stage.onSheet(way), LONGEST * share));
+      else arc(sheet, "moment", from, ROUND, 0, WHOLE * Math.max(-1.2, Math.min(share, 1.2)), 8, acrossBoth(way).map((one) => stage.onSheet(one)));
+    }
+    const v = arrows.tip.map((column) => (this.what?.found.pace || 1) * columns[column].values[k]), far = length(v) / arrows.lengths["m/s"];
+    if (!(far > LEAST)) return;
+    const from = stage.at(scene.tip);
+    arrow(sheet, "velocity", from, plus(from, stage.onSheet([...v, 0].slice(0, 3)), LONGEST / arrows.lengths["m/s"]));
   }
   // The nearest instant to a time.
   nearest(time) {
