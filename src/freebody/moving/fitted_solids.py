@@ -96,21 +96,34 @@ class DrawnSolid:
     sides: int = 20
     bodies: tuple[int, ...] = ()
     """Indices of the bodies with which it is drawn where each stands alone."""
+    across: FramePlace | None = None
+    """The direction of its first side, for one whose breadth is not its depth."""
+    ratio: float = 1.0
+    """Breadth of the second side to that of the first."""
 
     @property
     def data(self) -> list[Any]:
         """The solid as a page reads it."""
         first, second = (end.data for end in self.ends)
         shape = rounded(self.radius), int(self.round), self.sides
-        return [self.role, first, second, *shape, list(self.bodies)]
+        told = [self.role, first, second, *shape, list(self.bodies)]
+        return told if self.across is None else [*told, self.across.data, rounded(self.ratio)]
 
 
 class FittedSolids:
     """Solids fitted to a skeleton of some size (m); links: indices of bodies that stand for nothing
-    real."""
+    real; own: indices of bodies (-1: the base) that have shapes of their own instead of bars."""
 
-    def __init__(self, pose: Skeleton, size: float, anchors: Anchors, links: Collection[int] = ()):
-        self._pose, self._size, self._anchors, self._links = pose, size, anchors, links
+    def __init__(
+        self,
+        pose: Skeleton,
+        size: float,
+        anchors: Anchors,
+        links: Collection[int] = (),
+        own: Collection[int] = (),
+    ):
+        self._pose, self._size, self._anchors = pose, size, anchors
+        self._links, self._own = links, own
         thin = _CROWDED if len(pose.bodies) > MANY else 1.0
         self._link, self._joint = thin * _LINK * size, thin * _JOINT * size
         self._flat = pose.dim == 2
@@ -120,7 +133,12 @@ class FittedSolids:
         at, base = self._anchors, self._anchors.base
         yield from self._axes()
         for root in self._pose.roots:
-            if not self._flat and root.kind.holds and np.linalg.norm(root.carrier) > SAME:
+            if (
+                not self._flat
+                and -1 not in self._own
+                and root.kind.holds
+                and np.linalg.norm(root.carrier) > SAME
+            ):
                 yield self._bar(base, at.carrier(root), 0.0, self._link)
         for body in self._pose.bodies:
             if body.index not in self._links:
@@ -150,7 +168,7 @@ class FittedSolids:
         at, above = self._anchors, self._height(body.index)
         if body.kind.holds and np.linalg.norm(body.origin - body.carrier) > SAME:
             yield self._bar(at.carrier(body), at.origin(body), above, 0.6 * self._link)
-        for end in body.stick:
+        for end in body.stick if body.index not in self._own else ():
             bar = at.origin(body), at.end(body, end), above, self._link
             yield self._bar(*bar, body.index)
         if body.kind.holds and body.parent not in self._links:

@@ -38,6 +38,7 @@ from freebody.moving.fitted_solids import (
     FramePlace,
     rounded,
 )
+from freebody.moving.shape_solids import shape_solids, shapes_by_body
 
 _POSES = 24  # of a motion: the box that is seen holds them
 _MARGIN = 0.05  # of the drawing's size, around all places
@@ -141,10 +142,11 @@ def scene(model: Model, q: Array) -> Scene:
     seen, anchors = snapshot(model, rows[0], still, still), BodyAnchors(model, rows[0])
     size, flat, labels = extent(poses), model.dim == 2, LabelTexts()
     box = box_of(poses, size)
+    fitted = FittedSolids(seen.pose, size, anchors, own=shapes_by_body(model))
     tip = seen.pose.tip
     return Scene(
         model.dim,
-        tuple(FittedSolids(seen.pose, size, anchors).all()),
+        (*fitted.all(), *shape_solids(model)),
         box,
         size,
         FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)]),

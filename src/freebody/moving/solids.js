@@ -21,11 +21,11 @@ function columnsOf(sides) {
 const mostAcross = (way) => [0, 1, 2].reduce((best, k) => (Math.abs(way[k]) < Math.abs(way[best]) ? k : best), 0);
 
 class Solid {
-  constructor([role, a, b, radius, round, sides, bodies]) {
+  constructor([role, a, b, radius, round, sides, bodies, side, ratio = 1]) {
     const profile = profileOf(radius, round), {columns, next} = columnsOf(sides), rows = profile.length;
-    Object.assign(this, {role, a, b, round, bodies, triangles: [], across: a[0] === b[0] ? mostAcross([1, 2, 3].map((k) => b[k] - a[k])) : -1});
+    Object.assign(this, {role, a, b, round, bodies, side, triangles: [], across: a[0] === b[0] ? mostAcross([1, 2, 3].map((k) => b[k] - a[k])) : -1});
     this.local = columns.flatMap(([angle, normal]) => profile.map(([far, along, end, out, up]) =>
-      [far * Math.cos(angle), far * Math.sin(angle), along, end, out * Math.cos(normal), out * Math.sin(normal), up])).flat();
+      [far * Math.cos(angle), ratio * far * Math.sin(angle), along, end, out * Math.cos(normal), out * Math.sin(normal), up])).flat();
     for (let side = 0; side < sides; side++) {
       const [left, right] = next(side).map((k) => k * rows);
       for (let k = 0; k + 1 < rows; k++) {
@@ -45,8 +45,8 @@ class Solid {
     let w = [bx - ax, by - ay, bz - az];
     const far = Math.hypot(...w), at = FRAME * this.a[0];
     w = far > 1e-12 ? w.map((x) => x / far) : [frames[at + 2], frames[at + 5], frames[at + 8]];
-    const across = this.across < 0 ? mostAcross([0, 1, 2].map((k) => dot([frames[at + k], frames[at + 3 + k], frames[at + 6 + k]], w))) : this.across;
-    let u = [frames[at + across], frames[at + 3 + across], frames[at + 6 + across]];
+    const across = this.side ? 0 : this.across < 0 ? mostAcross([0, 1, 2].map((k) => dot([frames[at + k], frames[at + 3 + k], frames[at + 6 + k]], w))) : this.across;
+    let u = this.side ? wayInWorld(frames, this.side) : [frames[at + across], frames[at + 3 + across], frames[at + 6 + across]];
     const along = dot(u, w);
     u = unit(u.map((x, k) => x - along * w[k]));
     const v = cross(w, u), {local} = this;
@@ -85,6 +85,15 @@ class Solids {
     this.parts = this.solids.map((solid, k) => ({role: solid.role, bodies: solid.bodies, first: first[k], end: first[k + 1],
       corners: Uint32Array.from(solid.triangles, (i) => i + first[k])}));
     this.screen = new Float64Array(4 * first[first.length - 1]);
+  }
+  // Places between which all lies, but for the roundness of ends: ends, and corners of boxes.
+  reach(frames) {
+    return this.solids.flatMap((solid, k) => {
+      const ends = [inWorld(frames, solid.a), inWorld(frames, solid.b)];
+      if (!solid.side) return ends;
+      for (let i = 3 * this.first[k]; i < 3 * this.first[k + 1]; i += 3) ends.push([this.points[i], this.points[i + 1], this.points[i + 2]]);
+      return ends;
+    });
   }
   place(frames, swell = 1) { this.solids.forEach((solid, k) => solid.place(frames, this.points, this.normals, this.first[k], swell)); }
 }

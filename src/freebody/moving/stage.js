@@ -36,10 +36,10 @@ class Stage {
   }
   // Frames all that moves through some positions.
   frame(positions) {
-    const ends = this.scene.solids.flatMap(([, a, b]) => [a, b]);
     this.camera.corners = positions.flatMap((q) => {
       this.place(q, this.own);
-      return ends.map((end) => inWorld(this.frames, end));
+      this.solids.place(this.frames);
+      return this.solids.reach(this.frames);
     });
     this.resize();
   }

@@ -68,16 +68,17 @@ def shown_motion(study: Study, times: Sequence[float], samples: Sequence[int]) -
     own = [k for time, k in zip(times, nearest, strict=True) if time not in off]
     kept = np.unique(np.array([*even, *own, *samples], dtype=np.intp))
     if not len(off):
-        rows = (x[kept] for x in (t, motion.q, motion.qd, motion.qdd, tau))
-        return ShownMotion(t, *rows, np.empty(0, dtype=np.intp))
+        q, qd, qdd, own_tau = (x[kept] for x in (motion.q, motion.qd, motion.qdd, tau))
+        return ShownMotion(t, t[kept], q, qd, qdd, own_tau, np.empty(0, dtype=np.intp))
     off = np.unique(off)
     states = motion.at(off)
     torques = inverse_dynamics(study.model, *states, study.wrenches)
     every = np.concatenate([t[kept], off])
     order = np.argsort(every, kind="stable")
     pairs = zip((motion.q, motion.qd, motion.qdd, tau), (*states, torques), strict=True)
-    rows = (np.concatenate([given[kept], found])[order] for given, found in pairs)
-    return ShownMotion(t, every[order], *rows, np.flatnonzero(order >= len(kept)))
+    q, qd, qdd, own_tau = (np.concatenate([one[kept], found])[order] for one, found in pairs)
+    between = np.flatnonzero(order >= len(kept))
+    return ShownMotion(t, every[order], q, qd, qdd, own_tau, between)
 
 
 def _apart(time: float, t: Array, k: int) -> bool:

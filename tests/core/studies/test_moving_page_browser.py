@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -282,3 +283,61 @@ def test_the_page_stands_still_without_scripts_and_on_paper(study, path, chromiu
     assert {tuple(x) for x in on_paper} == {("still", True), ("moving", False)}
     options = {"preferCSSPageSize": True}
     assert len(base64.b64decode(chromium.execute_cdp_cmd("Page.printToPDF", options)["data"])) > 1e4
+
+
+SHAPED = """<robot name="shaped">
+<link name="base"/>
+<link name="upper"><inertial><mass value="3"/><origin xyz="0 0 0.2"/>
+<inertia ixx="0.05" iyy="0.05" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><origin xyz="0 0.1 0.2" rpy="0.3 0.2 0.5"/>
+<geometry><box size="0.1 0.3 0.4"/></geometry></visual></link>
+<joint name="pivot" type="revolute"><parent link="base"/><child link="upper"/>
+<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" velocity="2" effort="50"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def shaped(tmp_path_factory):
+    file = tmp_path_factory.mktemp("shaped") / "shaped.urdf"
+    file.write_text(SHAPED)
+    return fb.load(file)
+
+
+def test_shapes_do_not_make_another_robot(shaped):
+    bare = replace(shaped, shapes=())
+    assert shaped.shapes
+    assert not bare.shapes
+    assert bare == shaped
+    assert hash(bare) == hash(shaped)
+
+
+@pytest.mark.long
+def test_a_box_of_the_file_stands_where_its_link_is(shaped, chromium, tmp_path):
+    """Its eight corners in the page are those that forward kinematics places."""
+    chromium.get(fb.study(shaped).to_html(tmp_path / "index.html").as_uri())
+    q, corners = chromium.execute_async_script(
+        """const done = arguments[0], look = () => {
+          if (!player) return setTimeout(look, 5);
+          player.show(77);
+          const {parts, points} = player.stage.solids, {first, end} = parts[parts.length - 1];
+          done([[...player.q[77]], [...points.slice(3 * first, 3 * end)]]);
+        };
+        look()"""
+    )
+    T = fb.forward_kinematics(shaped, q, "upper")
+    R = rotation(0.3, 0.2, 0.5)
+    ends = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    local = [0, 0.1, 0.2] + ends * [0.05, 0.15, 0.2] @ R.T
+    expected = local @ T[:3, :3].T + T[:3, 3]
+    found = np.array(corners).reshape(-1, 3)
+    apart = np.linalg.norm(found[:, None] - expected, axis=-1)
+    assert apart.min(axis=0).max() < 2e-6  # a drawing is rounded to a micrometre
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    (a, b, c), (x, y, z) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array([
+        [c * b, c * y * x - z * a, c * y * a + z * x],
+        [z * b, z * y * x + c * a, z * y * a - c * x],
+        [-y, b * x, b * a],
+    ])  # fmt: skip

@@ -66,6 +66,7 @@ class Reading {
 
 // Pixels: the longest arrow on the robot, the radius of an arc; shares of the largest that are seen.
 const LONGEST = 60, ROUND = 21, WHOLE = 1.5 * Math.PI, LEAST = 0.02;
+const BENDS = 200;  // of the tip's path: more are not seen, and take half of a frame's time
 // A direction of space across another, and one across both.
 function acrossBoth(way) {
   const k = mostAcross(way), first = unit(minus([0, 1, 2].map((i) => +(i === k)), way.map((x) => x * way[k])));
@@ -80,7 +81,7 @@ class Player {
     this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed, {notes: (stage) => this.acting(stage)});
     this.stage.frame(this.q.filter((_, k) => k % Math.ceil(this.q.length / 40) === 0));
     if (study.scene.tip) this.tips = this.stage.places(this.q, study.scene.tip);
-    this.stage.path = this.tips || [];
+    this.stage.path = (this.tips || []).filter((_, k, {length}) => k % Math.ceil(length / BENDS) === 0 || k === length - 1);
     this.readings = [...document.querySelectorAll("[data-plot]")].map((figure) => {
       const plot = study.plots[Number(figure.dataset.plot)];
       return new Reading(figure, plot, plot.curves.map(({column}) => columns[column]), t);
