@@ -42,7 +42,7 @@ class FramePlace:
 
 
 @dataclass(frozen=True)
-class Anchor:
+class MovingPlace:
     """A place of a robot, with the frame that it moves with and the axes (dim, dim) that this frame
     has in the pose to which solids are fitted."""
 
@@ -59,27 +59,27 @@ class Anchor:
 
     def way(self, direction: Array) -> FramePlace:
         """A direction (dim,) that moves with the frame, as a place's three numbers."""
-        return Anchor(self.frame, np.zeros(len(self.at)), self.axes).place(direction)
+        return MovingPlace(self.frame, np.zeros(len(self.at)), self.axes).place(direction)
 
 
 class Anchors(Protocol):
     """The places of a robot's skeleton as places that move with its bodies."""
 
-    base: Anchor
+    base: MovingPlace
 
-    def origin(self, joint: DrawnJoint) -> Anchor:
+    def origin(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its child."""
         ...
 
-    def carrier(self, joint: DrawnJoint) -> Anchor:
+    def carrier(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its parent."""
         ...
 
-    def end(self, body: BodyPlace, end: End | None) -> Anchor:
+    def end(self, body: BodyPlace, end: End | None) -> MovingPlace:
         """An end of a body; None: its centre of mass."""
         ...
 
-    def strut(self, strut: StrutPlace, end: int) -> Anchor:
+    def strut(self, strut: StrutPlace, end: int) -> MovingPlace:
         """The first end (0) of a strut, or the second (1)."""
         ...
 
@@ -156,12 +156,12 @@ class FittedSolids:
         return _ABOVE * self._size * (body + 1) if self._flat else 0.0
 
     def _bar(
-        self, a: Anchor, b: Anchor, above: float, radius: float, body: int | None = None
+        self, a: MovingPlace, b: MovingPlace, above: float, radius: float, body: int | None = None
     ) -> DrawnSolid:
         own = () if body is None else (body,)
         return DrawnSolid((a.place(above=above), b.place(above=above)), radius, "link", bodies=own)
 
-    def _rod(self, a: Anchor, b: Anchor, above: float) -> DrawnSolid:
+    def _rod(self, a: MovingPlace, b: MovingPlace, above: float) -> DrawnSolid:
         return DrawnSolid((a.place(above=above), b.place(above=above)), _THIN * self._link, "rod")
 
     def _body(self, body: BodyPlace) -> Iterator[DrawnSolid]:
@@ -205,7 +205,7 @@ class FittedSolids:
                 yield DrawnSolid(ends, part.radius * r, "joint", False, part.sides, alone)
 
     def _ends(
-        self, middle: Anchor, way: Array | None, half: float, above: float = 0.0
+        self, middle: MovingPlace, way: Array | None, half: float, above: float = 0.0
     ) -> tuple[FramePlace, FramePlace]:
         """Both ends of a solid about its middle; in the plane without a direction, along z."""
         if way is not None:

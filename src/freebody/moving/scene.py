@@ -31,11 +31,11 @@ from freebody.model.model import Model
 from freebody.moving.fitted_solids import (
     AXES,
     MANY,
-    Anchor,
     Anchors,
     DrawnSolid,
     FittedSolids,
     FramePlace,
+    MovingPlace,
     rounded,
 )
 from freebody.moving.shape_solids import shape_solids, shapes_by_body
@@ -206,23 +206,23 @@ class BodyAnchors:
         self._model = model
         self.base = self._in(-1, np.zeros(model.dim))
 
-    def _in(self, body: int, world: Array) -> Anchor:
+    def _in(self, body: int, world: Array) -> MovingPlace:
         R, p = self._frames[body]
-        return Anchor(body + 1, R.T @ (world - p), R)
+        return MovingPlace(body + 1, R.T @ (world - p), R)
 
-    def origin(self, joint: DrawnJoint) -> Anchor:
+    def origin(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its child."""
         return self._in(joint.index, joint.origin)
 
-    def carrier(self, joint: DrawnJoint) -> Anchor:
+    def carrier(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its parent."""
         return self._in(joint.parent, joint.carrier)
 
-    def end(self, body: BodyPlace, end: End | None) -> Anchor:
+    def end(self, body: BodyPlace, end: End | None) -> MovingPlace:
         """An end of a body, or its centre of mass."""
         return self._in(body.index, body.com if end is None else end.place)
 
-    def strut(self, strut: StrutPlace, end: int) -> Anchor:
+    def strut(self, strut: StrutPlace, end: int) -> MovingPlace:
         """An end of a strut."""
         return self._in(strut.bodies[end], strut.ends[end])
 
@@ -231,7 +231,9 @@ class BodyAnchors:
         return self._in(self._model.frame(name).body, place).place()
 
 
-def axis_names(dim: int, size: float, base: Anchor, labels: LabelTexts) -> Iterator[PlacedName]:
+def axis_names(
+    dim: int, size: float, base: MovingPlace, labels: LabelTexts
+) -> Iterator[PlacedName]:
     """The names of the world's axes, at their heads."""
     for css, name, end in zip(
         "xyz", "xy" if dim == 2 else "XYZ", 1.05 * AXES * size * np.eye(dim), strict=False

@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.figures.skeleton import BodyPlace, DrawnJoint, End, LoopPlace, StrutPlace
 from freebody.model.model import Model
 from freebody.model.tree import TreeBody
-from freebody.moving.fitted_solids import Anchor
+from freebody.moving.fitted_solids import MovingPlace
 from freebody.moving.placements import in_space
 from freebody.spatial import add, product, sub, times
 from freebody_textbook.living.body_quantities import vector
@@ -38,7 +38,7 @@ class PageFrames:
         self._bodies, self._origin = bodies, origin
         self._unit = tuple(map(tuple, np.eye(model.dim).tolist()))
         self._numbers: dict[tuple[int, ...], int] = {}
-        self.base = Anchor(0, np.zeros(model.dim), np.eye(model.dim))
+        self.base = MovingPlace(0, np.zeros(model.dim), np.eye(model.dim))
 
     @property
     def data(self) -> list[int]:
@@ -50,35 +50,35 @@ class PageFrames:
         """The number of frames."""
         return len(self._numbers)
 
-    def frame(self, R: Any, p: Any, axes: Array) -> Anchor:
+    def frame(self, R: Any, p: Any, axes: Array) -> MovingPlace:
         """The origin of a frame with axes R at p; axes: their numbers at the start."""
         at = p if self._origin is None else sub(p, self._origin)
         places = tuple(self._kernel.places(vector(self._s, in_space(R, at))))
         number = self._numbers.setdefault(places, len(self._numbers))
-        return Anchor(number + 1, np.zeros(len(axes)), axes)
+        return MovingPlace(number + 1, np.zeros(len(axes)), axes)
 
     def point(self, p: Any) -> list[float]:
         """A place of the world as the page reads it."""
         return self.frame(self._unit, p, np.eye(len(self._unit))).place().data
 
-    def named(self, name: str, axes: Array | None = None) -> Anchor:
+    def named(self, name: str, axes: Array | None = None) -> MovingPlace:
         """The place of a frame by its name."""
         R, p = frame_pose(self._s.tree, self._s.world, name)
         return self.frame(R, p, np.eye(self._model.dim) if axes is None else axes)
 
-    def origin(self, joint: DrawnJoint) -> Anchor:
+    def origin(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its child."""
         if isinstance(joint, LoopPlace):
             return self.named(self._loop(joint)[1], joint.rotation)
         return self.frame(*self._s.world[self._bodies[joint.index]], joint.rotation)
 
-    def carrier(self, joint: DrawnJoint) -> Anchor:
+    def carrier(self, joint: DrawnJoint) -> MovingPlace:
         """The place of a joint on its parent."""
         if isinstance(joint, LoopPlace):
             return self.named(self._loop(joint)[0], joint.carrier_rotation)
         return self.frame(*self._carried(self._first(joint.index)), joint.carrier_rotation)
 
-    def end(self, body: BodyPlace, end: End | None) -> Anchor:
+    def end(self, body: BodyPlace, end: End | None) -> MovingPlace:
         """An end of a body, or its centre of mass."""
         i = self._bodies[body.index]
         R, _ = self._s.world[i]
@@ -90,7 +90,7 @@ class PageFrames:
             _, p = self._carried(self._first(end.child))
         return self.frame(R, p, body.rotation)
 
-    def strut(self, strut: StrutPlace, end: int) -> Anchor:
+    def strut(self, strut: StrutPlace, end: int) -> MovingPlace:
         """An end of a strut."""
         own = next(x for x in self._model.struts if x.name == strut.name)
         return self.named(own.frames[end])
