@@ -78,7 +78,7 @@ class PlacedName:
 
 @dataclass(frozen=True)
 class Ground:
-    """What holds a robot of the plane: a pedestal under a turn, at a place, or a slide's guide,
+    """The support of a robot of the plane: a pedestal under a turn, at a place, or a slide's guide,
     from its beginning to where it has moved, and its direction."""
 
     places: tuple[FramePlace, ...]
@@ -182,7 +182,7 @@ def box_of(poses: Iterable[Skeleton], size: float) -> Array:
 
 
 def grounds(pose: Skeleton, anchors: Anchors) -> Iterator[Ground]:
-    """What holds a robot of the plane; in space a bar does."""
+    """The supports of a robot of the plane; in space it stands on a bar."""
     for root in pose.roots if pose.dim == 2 else ():
         if not root.kind.holds:
             continue

@@ -36,7 +36,7 @@ _SEEN = {
     'keys turn the view, plus and minus change its size, 0 resets it" title="Drag to turn the '
     'view; + and − change its size, 0 resets it"',
 }
-"""What a reader of the screen is told of the drawing, by dimension."""
+"""Attributes of the drawing for readers of the screen, by dimension."""
 
 
 def panel(
