@@ -240,8 +240,8 @@ def _rows(
 
 @dataclass(frozen=True)
 class _Arrows:
-    """The values of the longest arrows on the robot, by unit, the columns of the tip's velocity, and
-    words on both."""
+    """The values of the longest arrows on the robot, by unit, the columns of the tip's velocity,
+    and words on both."""
 
     lengths: dict[str, float]
     tip: list[int]
