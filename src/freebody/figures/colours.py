@@ -104,6 +104,16 @@ def page_colours(dark: bool) -> dict[str, str]:
     return dict(_DARK if dark else _LIGHT)
 
 
+def variables(dark: str = "@media screen and (prefers-color-scheme:dark)") -> str:
+    """The palette as variables of a page, for what its script draws: light, and dark under the
+    given media rule."""
+    light, black = (
+        "".join(f"--{name}:{colour};" for name, colour in page_colours(is_dark).items())
+        for is_dark in (False, True)
+    )
+    return f":root{{{light}}}{dark}{{:root{{{black}}}}}\n"
+
+
 def _sheet(colours: dict[str, str]) -> str:
     text = _RULES.strip() + "\n"
     for role in _ARROWS:

@@ -76,13 +76,24 @@ class BodyPlace(DrawnJoint):
         return f"joint {self.number}"
 
     @property
+    def stick(self) -> tuple[End | None, ...]:
+        """The ends to which the body's stick reaches from its joint: where children or frames are
+        attached, else its centre of mass, None."""
+        far = [end for end in self.ends if np.linalg.norm(end.place - self.origin) > SAME]
+        heavy = self.mass > 0 and np.linalg.norm(self.com - self.origin) > SAME
+        return tuple(far) or ((None,) if heavy else ())
+
+    @property
     def outline(self) -> tuple[tuple[Array, Array], ...]:
-        """Segments of the body's stick: from its joint to where children or frames are attached,
-        else to its centre of mass."""
-        far = [end.place for end in self.ends if np.linalg.norm(end.place - self.origin) > SAME]
-        if not far and self.mass > 0 and np.linalg.norm(self.com - self.origin) > SAME:
-            far = [self.com]
-        return tuple((self.origin, place) for place in far)
+        """Segments of the body's stick."""
+        return tuple((self.origin, self.com if end is None else end.place) for end in self.stick)
+
+    @property
+    def wheel(self) -> bool:
+        """Whether it is a wheel: a body without extent that turns and carries nothing."""
+        apart = bool(self.stick) or np.linalg.norm(self.com - self.origin) > SAME
+        carries = any(end.child is not None for end in self.ends)
+        return not apart and not carries and bool(self.mass) and self.kind.turns
 
 
 @dataclass(frozen=True)

@@ -202,6 +202,7 @@ class _Assembly:
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
             struts=self.struts(movable),
+            shapes=tuple((link.name, shape) for link in d.links for shape in link.shapes),
         )
         if problem := loss_fault(model.bodies, model.loops):
             self.checks.refuse(f"{problem}.")

@@ -37,6 +37,7 @@ from freebody.model.named_parts import NamedParts
 from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
+from freebody.model.shapes import Shape
 from freebody.model.structure import Structure, numbers_of, structure_of
 from freebody.model.struts import Strut
 from freebody.model.tip import requested_tip, with_tip
@@ -71,12 +72,15 @@ class Model(NamedParts, Tabled, ByValue):
     a thousandth of the loop's size, and 1 mrad."""
     struts: tuple[Strut, ...] = ()
     """Springs and dampers between two points."""
+    shapes: tuple[tuple[str, Shape], ...] = ()
+    """(frame, shape in it) of the links of its file, for drawings: they weigh nothing."""
     _aside = (
         "name",
         "source",
         "about",
         "notices",
-    )  # a file's name, or what somebody called the robot
+        "shapes",
+    )  # a file's name, what somebody called the robot, how it looks
 
     # ------------------------------------------------------------ numbers
     @property

@@ -8,7 +8,7 @@ class Camera {
     this.reset();
   }
   reset() {
-    Object.assign(this, {azimuth: this.scene.view[0], elevation: this.scene.view[1], zoom: 1, aside: [0, 0]});
+    Object.assign(this, {azimuth: this.scene.view[0], elevation: this.scene.view[1], zoom: 1, aside: [0, 0], thin: 1});
     this.turn(0, 0);
   }
   turn(azimuth, elevation) {
@@ -23,25 +23,25 @@ class Camera {
   }
   closer(factor) { this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 12); }
   shift(x, y) { this.aside = [this.aside[0] + x, this.aside[1] + y]; }
-  // Fits all that moves into the window, as it is seen at first: the corners of its box, or places on
-  // its way with some room about them.
-  fit(wide, tall) {
-    const now = [this.azimuth, this.elevation], {view} = this.scene;
+  // Fits all that moves into the window, as it is seen at first or from `view`: the corners of its
+  // box, or places on its way with some room about them.
+  fit(wide, tall, view = this.scene.view) {
+    const now = [this.azimuth, this.elevation];
     this.turn(view[0] - now[0], view[1] - now[1]);
     const ends = [this.right, this.up, this.towards].map((way) => this.corners.reduce(([low, high], corner) => {
-      const far = dot3(corner, way);
+      const far = dot(corner, way);
       return [Math.min(low, far), Math.max(high, far)];
     }, [Infinity, -Infinity]));
-    const [a, b, c] = ends.map(([low, high]) => (low + high) / 2), room = ROOM * (this.scene.step || 1);
+    const [a, b, c] = ends.map(([low, high]) => (low + high) / 2), room = ROOM * this.scene.step, edge = 2 * (this.scene.edge || 0) * this.thin;
     this.middle = [0, 1, 2].map((k) => a * this.right[k] + b * this.up[k] + c * this.towards[k]);
-    this.scale = Math.min(wide / (ends[0][1] - ends[0][0] + room), tall / (ends[1][1] - ends[1][0] + room));
+    this.scale = Math.min((wide - edge) / (ends[0][1] - ends[0][0] + room || 1), (tall - edge) / (ends[1][1] - ends[1][0] + room || 1));
     this.turn(now[0] - view[0], now[1] - view[1]);
     Object.assign(this, {wide, tall});
   }
   // x to the right, y down, in pixels, and how near.
   seen(p) {
     const scale = this.scale * this.zoom, d = [p[0] - this.middle[0], p[1] - this.middle[1], p[2] - this.middle[2]];
-    return [this.wide * (0.5 + this.aside[0]) + scale * dot3(d, this.right), this.tall * (0.5 + this.aside[1]) - scale * dot3(d, this.up), scale * dot3(d, this.towards)];
+    return [this.wide * (0.5 + this.aside[0]) + scale * dot(d, this.right), this.tall * (0.5 + this.aside[1]) - scale * dot(d, this.up), scale * dot(d, this.towards)];
   }
 }
 

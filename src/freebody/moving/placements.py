@@ -29,15 +29,15 @@ def placement_program(model: Model) -> Program:
 
     def placed(q: Sequence[Any]) -> tuple[list[Any]]:
         poses = world_poses(tree, joint_poses(tree, tuple(q)))
-        numbers = (x for k in tree.body_of for x in _in_space(*poses[k]))
+        numbers = (x for k in tree.body_of for x in in_space(*poses[k]))
         return (list(numbers),)
 
     outputs = (Argument("frames", (SIZE * len(model.bodies),)),)
     return trace(NAME, placed, (Argument("q", (model.nq,)),), outputs)
 
 
-def _in_space(R: Sequence[Sequence[Any]], p: Sequence[Any]) -> list[Any]:
-    """The twelve numbers of a placement."""
+def in_space(R: Sequence[Sequence[Any]], p: Sequence[Any]) -> list[Any]:
+    """The twelve numbers of a placement, which may be one of the plane."""
     if len(p) == 3:
         return [*R[0], *R[1], *R[2], *p]
     (a, b), (c, d) = R

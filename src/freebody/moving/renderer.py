@@ -1,16 +1,21 @@
-"""The text of the one renderer, for the scripts of pages."""
+"""The script that draws what moves, the one of all pages."""
 
 from __future__ import annotations
+
+from functools import cache
 
 from freebody.outputs.page_script import joined
 
 _FILES = (
-    "numbers.js", "inflated.js", "solids.js", "raster.js", "camera.js", "floor.js", "labels.js",
-    "stage.js",
+    "numbers.js", "vectors.js", "solids.js", "raster.js", "camera.js", "floor.js", "symbols.js",
+    "labels.js", "surface.js", "stage.js",
 )  # fmt: skip
+_UNPACKING = "inflated.js"
+_NOTES = "notes.js"
 
 
-def renderer() -> str:
-    """JavaScript text of the renderer: `Stage`, which draws a scene on a canvas, and what it is
-    made of."""
-    return joined("freebody.moving", _FILES)
+@cache
+def renderer(*, notes: bool = False) -> str:
+    """The script's text, with what unpacks arrays of numbers; notes: instead of it with what names
+    a robot's geometry."""
+    return joined("freebody.moving", [*_FILES, _NOTES if notes else _UNPACKING])

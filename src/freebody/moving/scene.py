@@ -1,64 +1,92 @@
-"""A robot as solids that a page draws in any pose: stretches between places of its bodies, round or
-flat at their ends."""
+"""A robot as a scene that a page draws in any pose: its solids, the ground and the floor that they
+move over, names, and the first view."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, round_down
-from freebody.figures.layers.bare_robot import RING, along, bars, sticks
-from freebody.figures.skeleton import BodyPlace, DrawnJoint, Skeleton, extent, skeleton
+from freebody.figures.labelling import RULE
+from freebody.figures.layers.bare_robot import clear_way, sticks
+from freebody.figures.marked_text import marked, runs
+from freebody.figures.skeleton import (
+    BodyPlace,
+    DrawnJoint,
+    End,
+    Skeleton,
+    StrutPlace,
+    extent,
+    skeleton,
+)
+from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT, View, best_view
 from freebody.model.model import Model
+from freebody.moving.fitted_solids import (
+    AXES,
+    MANY,
+    Anchors,
+    DrawnSolid,
+    FittedSolids,
+    FramePlace,
+    MovingPlace,
+    rounded,
+)
+from freebody.moving.shape_solids import shape_solids, shapes_by_body
 
-_LINK, _JOINT, _CROWDED = 0.025, 0.031, 0.55
-"""Radii of links and joints, of the drawing's size; what they shrink by where bodies are many."""
-_MANY = 12  # bodies
-_THIN = 0.35  # of a link's radius: rods of loops and struts
-_AXES = 0.16, 0.005  # length and radius of the world's axes, of the drawing's size
 _POSES = 24  # of a motion: the box that is seen holds them
-_ABOVE = 0.02  # of the drawing's size: a plane's body lies so far above its predecessor
-
-Role = Literal["link", "joint", "rod", "x", "y", "z"]
-"""The part that a solid stands for, which says its colour."""
+_MARGIN = 0.05  # of the drawing's size, around all places
 
 
-@dataclass(frozen=True)
-class FramePlace:
-    """A place fixed in a frame: 0 the world, 1 + i body i; always with three coordinates."""
+class LabelTexts:
+    """The formulas that stand in a scene, each typeset once and numbered."""
 
-    frame: int
-    at: tuple[float, ...]
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def number(self, formula: str) -> int:
+        """The number of a formula; -1 of an empty one."""
+        return self._numbers.setdefault(formula, len(self._numbers)) if formula else -1
 
     @property
-    def data(self) -> list[float]:
-        """The frame's number and the coordinates, as a page reads them."""
-        return [self.frame, *(_rounded(x) for x in self.at)]
+    def data(self) -> list[str]:
+        """All formulas as the insides of SVG texts, in the order of their numbers."""
+        return [marked(runs(formula)) for formula in self._numbers]
 
 
 @dataclass(frozen=True)
-class DrawnSolid:
-    """A solid of revolution between two places, metres: a capsule where its ends are round, a
-    cylinder, or a prism of few sides, where they are flat."""
+class PlacedName:
+    """A name that stands at a place: its colour (a class of `figures.colours`), its number among
+    the formulas, the direction in which it would like to go, in the plane."""
 
-    ends: tuple[FramePlace, FramePlace]
-    radius: float
-    role: Role
-    round: bool = True
-    sides: int = 20
+    css: str
+    label: int
+    place: FramePlace
+    way: tuple[float, float] = (1.0, 0.5)
 
     @property
     def data(self) -> list[Any]:
-        """The solid as a page reads it."""
-        first, second = (end.data for end in self.ends)
-        return [self.role, first, second, _rounded(self.radius), int(self.round), self.sides]
+        """The name as a page reads it."""
+        return [self.css, self.label, self.place.data, [rounded(x) for x in self.way]]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The support of a robot of the plane: a pedestal under a turn, at a place, or a slide's guide,
+    from its beginning to where it has moved, and its direction."""
+
+    places: tuple[FramePlace, ...]
+
+    @property
+    def data(self) -> list[list[float]]:
+        """The place, or both and the direction, as a page reads them."""
+        return [place.data for place in self.places]
 
 
 @dataclass(frozen=True)
@@ -69,14 +97,17 @@ class Scene:
     solids: tuple[DrawnSolid, ...]
     box: Array
     """Lowest and highest coordinates (2, 3) of what moves, m."""
-    level: float
-    """Height of the floor, m."""
-    step: float
-    """Distance of the floor's lines, m."""
+    size: float
+    """Diagonal of the box around the robot, m."""
     view: View
-    names: tuple[tuple[str, FramePlace], ...]
-    """Texts that stand at places."""
-    tip: FramePlace | None
+    labels: LabelTexts
+    ground: tuple[Ground, ...] = ()
+    names: tuple[PlacedName, ...] = ()
+    tip: FramePlace | None = None
+    level: float = 0.0
+    """Height of the floor, m."""
+    step: float = 0.0
+    """Distance of the floor's lines, m; 0: there is no floor."""
 
     @property
     def data(self) -> dict[str, Any]:
@@ -88,11 +119,15 @@ class Scene:
         return {
             "flat": self.dim == 2,
             "solids": [solid.data for solid in self.solids],
-            "box": [[_rounded(x) for x in corner] for corner in self.box],
-            "level": _rounded(self.level),
-            "step": _rounded(self.step),
+            "box": [[rounded(x) for x in corner] for corner in self.box],
+            "size": self.size,
+            "level": rounded(self.level),
+            "step": rounded(self.step),
             "view": [round(azimuth), round(elevation)],
-            "names": [[text, place.data] for text, place in self.names],
+            "ground": [one.data for one in self.ground],
+            "names": [name.data for name in self.names],
+            "labels": self.labels.data,
+            "rule": RULE,
             "tip": self.tip
             and [self.tip.frame, *self.tip.at],  # compared with Python's: not rounded
         }
@@ -103,150 +138,127 @@ def scene(model: Model, q: Array) -> Scene:
     front."""
     rows = q[np.unique(np.linspace(0, len(q) - 1, _POSES).astype(int))]
     poses = [skeleton(model, row) for row in rows]
-    size = extent(poses)
-    first = _PoseSolids(model, rows[0], poses[0], size)
-    flat = model.dim == 2
-    places = np.concatenate([pose.places for pose in poses])
-    places = np.pad(places, ((0, 0), (0, 3 - model.dim)))
-    margin = 1.5 * _JOINT * size
-    box = np.array([places.min(axis=0) - margin, places.max(axis=0) + margin])
-    view = FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)])
+    still = np.zeros(model.nv)
+    seen, anchors = snapshot(model, rows[0], still, still), BodyAnchors(model, rows[0])
+    size, flat, labels = extent(poses), model.dim == 2, LabelTexts()
+    box = box_of(poses, size)
+    fitted = FittedSolids(seen.pose, size, anchors, own=shapes_by_body(model))
+    tip = seen.pose.tip
     return Scene(
         model.dim,
-        tuple(first.solids()),
+        (*fitted.all(), *shape_solids(model)),
         box,
-        min(0.0, float(places[:, 2].min())),
+        size,
+        FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)]),
+        labels,
+        tuple(grounds(seen.pose, anchors)),
+        tuple(_names(seen, anchors, labels, size)),
+        None if tip is None or model.tip is None else anchors.tip(model.tip, tip),
+        min(0.0, float(box[0, 2]) + _MARGIN * size),
         round_down(size / 4),
-        view,
-        tuple(first.names()),
-        first.tip(),
     )
 
 
-class _PoseSolids:
-    """Solids fitted to the skeleton of a robot in one pose."""
+def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | None]]:
+    """The place of each body's joint and the direction of its axis, fixed in the body; None: it has
+    no axis in space. A turn of the plane is about z."""
+    pose, anchors = skeleton(model, q), BodyAnchors(model, q)
+    found: list[tuple[FramePlace, FramePlace | None]] = []
+    for body in pose.bodies:
+        at, way = anchors.origin(body), None
+        if body.axis is not None:
+            way = at.way(body.axis)
+        elif model.dim == 2 and body.kind.turns:
+            way = FramePlace(0, (0.0, 0.0, 1.0))
+        found.append((at.place(), way))
+    return found
 
-    def __init__(self, model: Model, q: Array, pose: Skeleton, size: float):
+
+def box_of(poses: Iterable[Skeleton], size: float) -> Array:
+    """The box (2, 3) around all places of some poses, with a margin."""
+    places = np.concatenate([pose.places for pose in poses])
+    places = np.pad(places, ((0, 0), (0, 3 - places.shape[1])))
+    return np.array([places.min(axis=0) - _MARGIN * size, places.max(axis=0) + _MARGIN * size])
+
+
+def grounds(pose: Skeleton, anchors: Anchors) -> Iterator[Ground]:
+    """The supports of a robot of the plane; in space it stands on a bar."""
+    for root in pose.roots if pose.dim == 2 else ():
+        if not root.kind.holds:
+            continue
+        carrier = anchors.carrier(root)
+        if root.kind.slides and root.axis is not None:
+            ends = carrier.place(), anchors.origin(root).place(), carrier.way(root.axis)
+            yield Ground(ends)
+        else:
+            yield Ground((carrier.place(),))
+
+
+class BodyAnchors:
+    """The places of a robot of given numbers, each fixed in one of its bodies."""
+
+    def __init__(self, model: Model, q: Array):
         tree = model.tree
         found = world_poses(tree, joint_poses(tree, tuple(map(float, q))))
         own = [found[k] for k in tree.body_of]
         self._frames = [(np.asarray(R, dtype=float), np.asarray(p, dtype=float)) for R, p in own]
-        self._model, self._pose, self._size = model, pose, size
-        thin = _CROWDED if len(model.bodies) > _MANY else 1.0
-        self._link, self._joint = thin * _LINK * size, thin * _JOINT * size
+        self._frames.append((np.eye(model.dim), np.zeros(model.dim)))  # the world, at -1
+        self._model = model
+        self.base = self._in(-1, np.zeros(model.dim))
 
-    def place(self, body: int, world: Array, above: float = 0.0) -> FramePlace:
-        """A place of the world as one of a body (-1: the base), in the plane lifted above it."""
-        local = world
-        if body >= 0:
-            R, p = self._frames[body]
-            local = R.T @ (world - p)
-        at = [*map(float, local)]
-        return FramePlace(body + 1, (*at, above) if len(at) == 2 else tuple(at))
+    def _in(self, body: int, world: Array) -> MovingPlace:
+        R, p = self._frames[body]
+        return MovingPlace(body + 1, R.T @ (world - p), R)
 
-    def solids(self) -> Iterator[DrawnSolid]:
-        """All solids of the robot."""
-        yield from self._axes()
-        for root in self._pose.roots:
-            if root.kind.holds and np.linalg.norm(root.carrier) > SAME:
-                base = np.zeros(self._model.dim)
-                yield self._bar(-1, base, -1, root.carrier, self._link, "link")
-        for body in self._pose.bodies:
-            yield from self._body(body)
-        for loop in self._pose.loops:
-            yield from self._symbol(loop)
-            if np.linalg.norm(loop.origin - loop.carrier) > SAME:
-                ends = loop.parent, loop.carrier, loop.index, loop.origin
-                yield self._bar(*ends, _THIN * self._link, "rod")
-        for strut in self._pose.struts:
-            (i, j), (a, b) = strut.bodies, strut.ends
-            yield self._bar(i, a, j, b, _THIN * self._link, "rod")
+    def origin(self, joint: DrawnJoint) -> MovingPlace:
+        """The place of a joint on its child."""
+        return self._in(joint.index, joint.origin)
 
-    def _height(self, body: int) -> float:
-        """How far above the plane a body is drawn, so that links that cross do not merge."""
-        return _ABOVE * self._size * (body + 1) if self._model.dim == 2 else 0.0
+    def carrier(self, joint: DrawnJoint) -> MovingPlace:
+        """The place of a joint on its parent."""
+        return self._in(joint.parent, joint.carrier)
 
-    def _bar(self, i: int, a: Array, j: int, b: Array, radius: float, role: Role) -> DrawnSolid:
-        above = self._height(max(i, j))
-        return DrawnSolid((self.place(i, a, above), self.place(j, b, above)), radius, role)
+    def end(self, body: BodyPlace, end: End | None) -> MovingPlace:
+        """An end of a body, or its centre of mass."""
+        return self._in(body.index, body.com if end is None else end.place)
 
-    def _body(self, body: BodyPlace) -> Iterator[DrawnSolid]:
-        slid = body.kind.holds and np.linalg.norm(body.origin - body.carrier) > SAME
-        for k, (_, (a, b)) in enumerate(bars(body)):
-            carried = body.parent if slid and not k else body.index
-            radius = 0.6 * self._link if slid and not k else self._link
-            yield self._bar(carried, a, body.index, b, radius, "link")
-        if body.kind.holds:
-            yield from self._symbol(body)
-        if not bars(body) and body.mass and body.kind.turns:
-            yield self._wheel(body)
+    def strut(self, strut: StrutPlace, end: int) -> MovingPlace:
+        """An end of a strut."""
+        return self._in(strut.bodies[end], strut.ends[end])
 
-    def _wheel(self, body: BodyPlace) -> DrawnSolid:
-        axis = np.zeros(self._model.dim) if body.axis is None else body.axis
-        half = 0.4 * self._link
-        ends = self._ends(body.index, body.origin, axis, half, self._height(body.index))
-        return DrawnSolid(ends, RING * self._size, "link", round=False, sides=40)
-
-    def _symbol(self, joint: DrawnJoint) -> Iterator[DrawnSolid]:
-        """The solids of a joint; in the plane a pin, or the block of a slide."""
-        r, above = self._joint, self._height(joint.index)
-        if self._model.dim == 2:
-            if joint.kind.slides and joint.axis is not None:
-                half = 1.6 * r
-                ends = self._ends(joint.index, joint.origin, joint.axis, half, above)
-                yield DrawnSolid(ends, 1.3 * r, "joint", round=False, sides=4)
-            else:
-                ends = self._ends(joint.index, joint.origin, np.zeros(2), 1.2 * r, above)
-                yield DrawnSolid(ends, 0.75 * r, "joint", round=False)
-            return
-        if not joint.kind.solids and joint.kind.mark:
-            at = self.place(joint.index, joint.origin)
-            yield DrawnSolid((at, at), 1.25 * r, "joint")
-        for part in joint.kind.solids:
-            way = along(joint, part)
-            if way is not None:
-                body = joint.index if part.moves else joint.parent
-                middle = joint.origin if part.moves else joint.carrier
-                ends = self._ends(body, middle, way, part.half * r)
-                yield DrawnSolid(ends, part.radius * r, "joint", round=False, sides=part.sides)
-
-    def _ends(
-        self, body: int, middle: Array, way: Array | None, half: float, above: float = 0.0
-    ) -> tuple[FramePlace, FramePlace]:
-        """Both ends of a solid about its middle; in the plane without a direction, along z."""
-        if way is not None and np.any(way):
-            low, high = (self.place(body, middle + s * half * way, above) for s in (-1, 1))
-            return low, high
-        low = self.place(body, middle, above)
-        first, second = (FramePlace(low.frame, (*low.at[:2], above + z)) for z in (-half, half))
-        return first, second
-
-    def _axes(self) -> Iterator[DrawnSolid]:
-        length, radius = (share * self._size for share in _AXES)
-        for name, end in zip(("x", "y", "z")[: self._model.dim], np.eye(3), strict=False):
-            ends = FramePlace(0, (0.0, 0.0, 0.0)), FramePlace(0, tuple(map(float, length * end)))
-            yield DrawnSolid(ends, radius, name, round=False, sides=8)  # type: ignore[arg-type]
-
-    def names(self) -> Iterator[tuple[str, FramePlace]]:
-        """Names of the world's axes, of the tip, and the numbers of the joints where they are
-        few."""
-        letters = "xy" if self._model.dim == 2 else "XYZ"
-        for name, end in zip(letters, np.eye(3), strict=False):
-            yield name, FramePlace(0, tuple(map(float, 1.15 * _AXES[0] * self._size * end)))
-        tip = self.tip()
-        if tip is not None and self._model.tip is not None:
-            yield self._model.tip, tip
-        if len(self._pose.bodies) <= _MANY:
-            for body in self._pose.bodies:
-                yield str(body.number), self.place(body.index, body.origin)
-
-    def tip(self) -> FramePlace | None:
-        """The robot's tip; None without one."""
-        if self._model.tip is None or self._pose.tip is None:
-            return None
-        return self.place(self._model.frame(self._model.tip).body, self._pose.tip)
+    def tip(self, name: str, place: Array) -> FramePlace:
+        """The tip, a frame by name that is at a place (dim,)."""
+        return self._in(self._model.frame(name).body, place).place()
 
 
-def _rounded(x: float) -> float:
-    """A number of a drawing, to a micrometre."""
-    return round(float(x), 6) + 0.0
+def axis_names(
+    dim: int, size: float, base: MovingPlace, labels: LabelTexts
+) -> Iterator[PlacedName]:
+    """The names of the world's axes, at their heads."""
+    for css, name, end in zip(
+        "xyz", "xy" if dim == 2 else "XYZ", 1.05 * AXES * size * np.eye(dim), strict=False
+    ):
+        way = (1.0, 0.0) if css == "x" else (0.0, 1.0)
+        yield PlacedName(f"{css}-text", labels.number(name), base.place(end), way)
+
+
+def _names(
+    seen: Snapshot, anchors: BodyAnchors, labels: LabelTexts, size: float
+) -> Iterator[PlacedName]:
+    """Names as the figures have them: the world's axes, the tip, and where bodies are few, the
+    points of the plane or the numbers of the joints; one at each place."""
+    model, pose, names = seen.model, seen.pose, seen.names
+    yield from axis_names(model.dim, size, anchors.base, labels)
+    taken: list[Array] = []
+    if pose.tip is not None and model.tip is not None:
+        yield PlacedName("label-text", labels.number(names.tip), anchors.tip(model.tip, pose.tip))
+        taken.append(pose.tip)
+    for body in seen.drawn if len(pose.bodies) <= MANY else ():
+        if any(np.linalg.norm(body.origin - other) < SAME for other in taken):
+            continue
+        taken.append(body.origin)
+        text, way = str(body.number), (0.0, -1.0)
+        if model.dim == 2:
+            text, way = names.point(pose, body.number), clear_way(seen, body)
+        at = anchors.origin(body).place()
+        yield PlacedName("label-text", labels.number(text), at, (float(way[0]), float(way[1])))

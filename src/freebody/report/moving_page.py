@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,19 +16,19 @@ from freebody.arrays import Array
 from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
-from freebody.moving.scene import scene
+from freebody.moving.scene import joint_axes, scene
 from freebody.outputs.page_script import joined, packed, packed_numbers
 from freebody.report.page_figures import TOTAL
 from freebody.report.page_tables import EVERYDAY
+from freebody.report.shown_motion import ShownMotion, shown_motion
 from freebody.report.tables import shortened
-from freebody.report.what_if import WhatIf, limits, peaks, what_if
+from freebody.report.what_if import WhatIf, limits, peaks, round_up, what_if
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
-_MOST = 600
-"""Instants at which a page shows a motion; of longer ones every second sample, or fewer."""
 _MARKS = 6  # instants with a button of their own
+_LONGEST = 60  # pixels of an arrow on the robot, as `player.js` draws it
 _DRIVES = 12  # rows of the table of an instant
 _PLAYER = "what_if", "player"
 _USED = 3  # limits whose nearest instants are marked
@@ -77,112 +77,111 @@ class MovingPage:
     instants: tuple[Instant, ...]
     heads: tuple[str, ...]
     rows: tuple[NowRow, ...]
+    arrows: str
+    """Words on the arrows on the robot, and their scales."""
     what: WhatIf
     what_rows: tuple[WhatRow, ...]
 
 
 def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     """The moving parts of a page with some plots over the motion's time, numbered in order."""
-    t = study.motion.t
     marks = list(_marks(study))
-    kept = _kept(len(t), [*(k for k, _ in marks), *peaks(study)])
-    columns = _ShownCurves(kept)
-    drives = list(_drives(study, columns))
+    shown = shown_motion(study, [time for time, _ in marks], peaks(study))
+    columns = _ShownCurves(shown)
+    drives = list(_drives(study, columns, shown))
     efforts = {drive["name"]: drive["effort"] for drive in drives}
-    shown = [_plotted(plot, columns, efforts) for plot in plots]
-    rows = tuple(_rows(study, columns, drives))
-    what = what_if(study, kept)
-    places = {int(k): n for n, k in enumerate(kept)}
-    instants = tuple(Instant(places[k], f"{t[k]:.3g}", words) for k, words in marks)
+    drawn = [_plotted(plot, columns, efforts) for plot in plots]
+    rows = tuple(_rows(study, columns, drives, shown))
+    what, arrows = what_if(study, shown), _arrows(study, columns)
+    instants = tuple(
+        Instant(k, f"{shown.t[k]:.3g}", words)
+        for k, words in ((shown.index(time), words) for time, words in marks)
+    )
     data = {
         "scene": scene(study.model, study.motion.q).data,
         "bodies": len(study.model.bodies),
         "nq": study.model.nq,
-        "plots": shown,
-        "first": places[study.worst.index],
+        "plots": drawn,
+        "first": instants[0].index,
         "what": what.data,
         "nv": study.model.nv,
         "drives": drives,
+        "arrows": {"lengths": arrows.lengths, "tip": arrows.tip},
     }
-    script = renderer() + "\n"
     player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
-        "TIMES": packed_numbers(t[kept]),
-        "POSITIONS": packed_numbers(study.motion.q[kept]),
+        "TIMES": packed_numbers(shown.t),
+        "POSITIONS": packed_numbers(shown.q),
         "VALUES": packed_numbers(np.array(columns.found, dtype=np.float32)),
         "RATES": "" if what.rates is None else packed_numbers(what.rates),
         "EXPECTED": "" if what.expected is None else packed_numbers(what.expected),
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
-    text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{script}{player}\n'
+    text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{renderer()}\n{player}\n'
     names = enumerate(shortened([drive["name"] for drive in drives]))
     what_rows = tuple(WhatRow(name, k) for k, name in names)
     heads = ("position", "speed", "torque, force")
-    return MovingPage(text, instants, heads, rows, what, what_rows)
+    return MovingPage(text, instants, heads, rows, arrows.words, what, what_rows)
 
 
-def _marks(study: Study) -> Iterator[tuple[int, str]]:
-    """Samples that a reader wants to see, and why: the worst instant, where limits are used most,
-    the nearest singular pose."""
-    t, taken = study.motion.t, set[int]()
-    wanted = [(study.worst.time, f"worst torque, {study.worst.coordinate}")]
+def _marks(study: Study) -> Iterator[tuple[float, str]]:
+    """Times that a reader wants to see, and why: the worst instant, where limits are used most, the
+    nearest singular pose."""
+    t, taken = study.motion.t, set[float]()
+    wanted = [(float(t[study.worst.index]), f"worst torque, {study.worst.coordinate}")]
     for use in study.verdict.uses[:_USED]:
         if math.isfinite(use.time):
             bound = "half range" if use.quantity == "position" else "limit"
             share = f"{100 * use.fraction:.0f} % of its {bound}"
-            wanted.append((use.time, f"{use.quantity} of {use.coordinate}, {share}"))
+            wanted.append((float(use.time), f"{use.quantity} of {use.coordinate}, {share}"))
     if study.singularity is not None:
-        wanted.append((study.singularity.time, "nearest singular pose"))
+        wanted.append((float(study.singularity.time), "nearest singular pose"))
     wanted.append((float(t[0]), "start"))
     for time, words in wanted[:_MARKS]:
-        k = int(np.argmin(np.abs(t - time)))
-        if k not in taken:
-            taken.add(k)
-            yield k, words
-
-
-def _kept(count: int, marked: Iterable[int]) -> NDArray[np.intp]:
-    """Numbers of the samples that a page shows: evenly apart, and those that are marked."""
-    even = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
-    return np.unique(np.array([*even.tolist(), *marked], dtype=np.intp))
+        if time not in taken:
+            taken.add(time)
+            yield time, words
 
 
 class _ShownCurves:
     """Curves at the instants that are shown, each once."""
 
-    def __init__(self, kept: NDArray[np.intp]):
-        self._kept, self._numbers = kept, dict[bytes, int]()
+    def __init__(self, shown: ShownMotion):
+        self._shown, self._numbers = shown, dict[bytes, int]()
         self.found: list[NDArray[np.float32]] = []
 
     def number(self, curve: Array) -> int:
         """The number of a curve (T,)."""
-        column = self._shown(curve)
+        column = self._shown.curve(curve)
         number = self._numbers.setdefault(column.tobytes(), len(self.found))
         if number == len(self.found):
             self.found.append(column)
         return number
 
-    def own(self, curve: Array) -> int:
-        """The number of a curve (T,) that the page may compute anew: no other has it."""
-        self.found.append(self._shown(curve))
+    def own(self, exact: Array) -> int:
+        """The number of a curve by its numbers (n,) at the instants, which the page may compute
+        anew: no other has it."""
+        self.found.append(np.asarray(exact, dtype=np.float32))
         return len(self.found) - 1
 
-    def _shown(self, curve: Array) -> NDArray[np.float32]:
-        return np.asarray(curve, dtype=np.float32)[self._kept]
 
-
-def _drives(study: Study, columns: _ShownCurves) -> Iterator[dict[str, Any]]:
+def _drives(study: Study, columns: _ShownCurves, shown: ShownMotion) -> Iterator[dict[str, Any]]:
     """The drives as a page reads them: coordinate, columns of torque and speed, unit, limit."""
     model, data, allowed = study.model, study.data, limits(study)
+    joints = joint_axes(model, study.motion.q[0])
+    body_of = {k: body for body, at in enumerate(model.coordinates) for k in at.v}
     for name in model.driven_names:
         k = model.velocity_names.index(name)
+        at, axis = joints[body_of[k]]
         yield {
+            "at": at.data,
+            "axis": axis and axis.data,
             "name": name,
             "coordinate": k,
-            "effort": columns.own(data["tau"].values[:, k]),
-            "speed": columns.own(data["qd"].values[:, k]),
+            "effort": columns.own(shown.tau[:, k]),
+            "speed": columns.own(shown.qd[:, k]),
             "unit": str(data["effort_unit"].values[k]),
             "limit": allowed[k],
         }
@@ -211,7 +210,10 @@ def _plotted(plot: Plot, columns: _ShownCurves, efforts: Mapping[str, int]) -> d
 
 
 def _rows(
-    study: Study, columns: _ShownCurves, drives: Sequence[Mapping[str, Any]]
+    study: Study,
+    columns: _ShownCurves,
+    drives: Sequence[Mapping[str, Any]],
+    shown: ShownMotion,
 ) -> Iterator[NowRow]:
     """The rows of the table of an instant; none where a robot has many drives."""
     model, data = study.model, study.data
@@ -222,15 +224,48 @@ def _rows(
     for drive, name, short in zip(drives, driven, shortened(driven), strict=True):
         k = drive["coordinate"]
         unit, effort = (str(data[x].values[k]) for x in ("unit", "effort_unit"))
-        at = data["q"].values[:, positions.index(name)] if name in positions else None
+        at = columns.own(shown.q[:, positions.index(name)]) if name in positions else None
         scale, everyday = EVERYDAY[unit]
         if unit == "m":
             scale, everyday = 1.0, "m"
         yield NowRow(
             short,
             (
-                None if at is None else NowCell(columns.number(at), everyday, scale),
+                None if at is None else NowCell(at, everyday, scale),
                 NowCell(drive["speed"], f"{unit}/s", 1.0),
                 NowCell(drive["effort"], effort, 1.0),
             ),
         )
+
+
+@dataclass(frozen=True)
+class _Arrows:
+    """The values of the longest arrows on the robot, by unit, the columns of the tip's velocity,
+    and words on both."""
+
+    lengths: dict[str, float]
+    tip: list[int]
+    words: str
+
+
+def _arrows(study: Study, columns: _ShownCurves) -> _Arrows:
+    """The arrows on the robot: the torque or force of each drive, the velocity of the tip."""
+    data, model = study.data, study.model
+    driven = [model.velocity_names.index(name) for name in model.driven_names]
+    largest: dict[str, float] = {}
+    for k in driven:
+        unit = str(data["effort_unit"].values[k])
+        largest[unit] = max(largest.get(unit, 0.0), float(np.abs(data["tau"].values[:, k]).max()))
+    tip = []
+    if study.tip is not None and "tip_velocity" in data:
+        velocity = data["tip_velocity"].values
+        largest["m/s"] = float(np.linalg.norm(velocity, axis=1).max())
+        tip = [columns.number(x) for x in velocity.T]
+    lengths = {unit: round_up(x) for unit, x in largest.items() if x > 0.0}
+    forms = {
+        "N m": "an arc of three quarters is a torque of {} N m",
+        "N": f"an arrow of {_LONGEST} pixels at a drive is {{}} N",
+        "m/s": f"an arrow of {_LONGEST} pixels at the tip is a velocity of {{}} m/s",
+    }
+    told = [form.format(f"{lengths[unit]:g}") for unit, form in forms.items() if unit in lengths]
+    return _Arrows(lengths, tip, f"On the robot {'; '.join(told)}." if told else "")

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.any_chain.effort_limits import followers
@@ -23,6 +22,7 @@ from freebody.program import Argument, Program, trace
 from freebody.targets.text import LANGUAGES, SourceUnit
 
 if TYPE_CHECKING:
+    from freebody.report.shown_motion import ShownMotion
     from freebody.report.study import Study
 
 NAME = "torques"
@@ -74,29 +74,30 @@ def peaks(study: Study) -> list[int]:
     return np.unique(np.concatenate(list(found))).tolist()
 
 
-def what_if(study: Study, kept: NDArray[np.intp]) -> WhatIf:
-    """The data with which a page of the samples `kept` of a motion computes itself."""
+def what_if(study: Study, shown: ShownMotion) -> WhatIf:
+    """The data with which a page that shows a motion computes itself."""
     reason = _missing(study.model)
     if reason:
         return WhatIf(reason)
-    motion, tau = study.motion, study.data["tau"].values[kept]
-    checked = np.unique(np.linspace(0, len(kept) - 1, min(_CHECKED, len(kept))).astype(int))
-    whole = len(kept) == len(motion.t)
+    count = len(shown.t)
+    checked = np.unique(np.linspace(0, count - 1, min(_CHECKED, count)).astype(int))
     data = {
         "gravity": np.asarray(study.model.gravity, dtype=float).tolist(),
-        "whole": whole,
+        "whole": shown.whole,
+        "between": shown.between.tolist(),
         "barred": any(doubt.of.bars for doubt in study.verdict.doubts),
         "checked": checked.tolist(),
         "uses": _uses(study),
     }
-    words = "" if whole else f"From {len(kept)} of the motion's {len(motion.t)} samples."
+    kept = f"From {count - len(shown.between)} of the motion's {len(shown.samples)} samples."
+    words = "" if shown.whole else kept
     return WhatIf(
         "",
         _sliders(study, words),
         LANGUAGES["javascript-script"].emit(SourceUnit(_program(study), NAME)),
         data,
-        np.stack([motion.qd[kept], motion.qdd[kept]]),
-        tau[checked],
+        np.stack([shown.qd, shown.qdd]),
+        shown.tau[checked],
     )
 
 

@@ -20,25 +20,23 @@ class Bench extends Stage {
   }
   draw() {
     super.draw();
-    if (!this.shown || !this.wide) return;
+    if (!this.shown || !this.surface.wide) return;
     if (this.handle) {
-      const [x, y] = this.spot(this.scene.tip);
+      const [x, y] = this.at(this.scene.tip);
       this.handle.setAttribute("cx", x.toFixed(1));
       this.handle.setAttribute("cy", y.toFixed(1));
     }
     this.outline();
   }
-  // Where a place of a body is on the page, pixels.
-  spot(place) { return this.camera.seen(inWorld(this.frames, place)).map((x) => x / this.fine); }
   // The ellipsoid's outline: the projection of J J' (or its inverse) by the view is that of an ellipse.
   outline() {
     const found = this.ellipsoid && this.axes();
     this.oval.setAttribute("class", `oval ${this.ellipsoid}`);
     if (!found) { this.oval.setAttribute("d", ""); return; }
-    const {right, up} = this.camera, [x, y] = this.spot(this.scene.tip), {matrix, longest} = found;
+    const {right, up} = this.camera, [x, y] = this.at(this.scene.tip), {matrix, longest} = found;
     const size = Math.hypot(...[0, 1, 2].map((k) => this.scene.box[1][k] - this.scene.box[0][k]));
-    const factor = SHARE / 2 * size * this.camera.scale * this.camera.zoom / this.fine / longest;
-    const form = (a, b) => dot3(a, matrix.map((row) => dot3(row, b))), [a, b, c] = [form(right, right), form(right, up), form(up, up)];
+    const factor = SHARE / 2 * size * this.scale / longest;
+    const form = (a, b) => dot(a, matrix.map((row) => dot(row, b))), [a, b, c] = [form(right, right), form(right, up), form(up, up)];
     const mean = (a + c) / 2, half = Math.hypot((a - c) / 2, b), angle = Math.atan2(2 * b, a - c) / 2;
     const [long, short] = [mean + half, mean - half].map((square) => factor * Math.sqrt(Math.max(square, 0))), [cos, sin] = [Math.cos(angle), Math.sin(angle)];
     const points = Array.from({length: ROUND}, (_, k) => {
@@ -64,7 +62,7 @@ class Bench extends Stage {
     const [x, y] = this.pointed(event);
     if (!this.shown || event.shiftKey || this.held) return;
     if (this.handle) {
-      const [a, b] = this.spot(this.scene.tip);
+      const [a, b] = this.at(this.scene.tip);
       if (Math.hypot(x - a, y - b) < GRIP) this.held = {from: [x, y], place: inWorld(this.frames, this.scene.tip)};
     }
     this.held ||= this.picked(x, y);
@@ -77,7 +75,7 @@ class Bench extends Stage {
   }
   // What is nearest to the viewer under a point of the page: the joint that carries it, and the place.
   picked(x, y) {
-    const {camera, fine} = this, scale = camera.scale * camera.zoom / fine;
+    const {camera, scale} = this, {fine} = this.surface;
     let best = null;
     for (const [role, first, second, radius] of this.scene.solids) {
       if (role.length < 2) continue;
@@ -105,7 +103,7 @@ class Bench extends Stage {
       const trial = Float64Array.from(this.state.q);
       trial[joint.at] = x;
       this.place(trial, this.own);
-      return this.spot(local);
+      return this.at(local);
     });
     this.place(this.state.q, this.own);
     const d = [0, 1].map((i) => (next[i] - at[i]) / TINY);
@@ -114,7 +112,7 @@ class Bench extends Stage {
   // A place of the world as one that is fixed in a frame.
   local(frame, place) {
     const at = FRAME * frame, d = [0, 1, 2].map((k) => place[k] - this.frames[at + 9 + k]);
-    return [frame, ...[0, 1, 2].map((k) => dot3(d, [0, 3, 6].map((row) => this.frames[at + row + k])))];
+    return [frame, ...[0, 1, 2].map((k) => dot(d, [0, 3, 6].map((row) => this.frames[at + row + k])))];
   }
   drag(event) {
     const {held} = this;
@@ -123,7 +121,7 @@ class Bench extends Stage {
     const [x, y] = this.pointed(event);
     if (held.joint) this.follow(held, x, y);
     else {
-      const {right, up, scale, zoom} = this.camera, per = this.fine / scale / zoom, [dx, dy] = [(x - held.from[0]) * per, (y - held.from[1]) * per];
+      const {right, up} = this.camera, per = 1 / this.scale, [dx, dy] = [(x - held.from[0]) * per, (y - held.from[1]) * per];
       this.act.tip(held.place.map((c, k) => c + dx * right[k] - dy * up[k]));
     }
   }
@@ -147,7 +145,7 @@ class Bench extends Stage {
 function strongest(A) {
   let v = [1, 0.7, 0.4], size = 0;
   for (let k = 0; k < 60; k++) {
-    const w = A.map((row) => dot3(row, v));
+    const w = A.map((row) => dot(row, v));
     size = Math.hypot(...w);
     if (!(size > 0)) return 0;
     v = w.map((x) => x / size);
@@ -156,7 +154,7 @@ function strongest(A) {
 }
 // The inverse of a symmetric matrix, in the plane of its first two rows and columns; null without one.
 function inverse(A, dim) {
-  const [a, b, c] = dim === 3 ? A : [A[0], A[1], [0, 0, 1]], rows = [cross3(b, c), cross3(c, a), cross3(a, b)], det = dot3(a, rows[0]);
+  const [a, b, c] = dim === 3 ? A : [A[0], A[1], [0, 0, 1]], rows = [cross(b, c), cross(c, a), cross(a, b)], det = dot(a, rows[0]);
   if (!(det > 1e-300)) return null;
   return rows.map((row, i) => row.map((x, j) => (i < dim && j < dim ? x / det : 0)));
 }

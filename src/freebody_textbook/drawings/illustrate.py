@@ -21,10 +21,10 @@ from freebody.figures.drawing import SAME, Drawing, Element, Label
 from freebody.figures.drawing_names import is_letter
 from freebody.figures.figure import save, to_one_scale
 from freebody.figures.kinematic import VIEWS
-from freebody.figures.labelling import RULE, labels_of
+from freebody.figures.labelling import labels_of
 from freebody.figures.layers import forces, measures, motion
 from freebody.figures.layers.bare_robot import Layer, drawn
-from freebody.figures.marked_text import bold, canonical, label, marked, runs
+from freebody.figures.marked_text import bold, canonical, label
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
@@ -311,21 +311,16 @@ def _page_figure(
     joints = {seen.names.point(seen.pose, body.number) for body in seen.pose.bodies}
     joints |= {seen.names.tip}
     rods = list(map(seen.names.rod, range(len(seen.model.loops))))
-    view = drawing.view.towards or (1.0, 0.0, 0.0)
     return PageFigure(
         bodies=[_names(seen, body, written, spoken) for body in seen.pose.bodies],
-        ends=[
-            [end.name if end.child is None else end.child + 1 for end in body.ends]
-            for body in seen.pose.bodies
-        ],
         tip=seen.names.tip,
         points={x: x for x in seen.pose.frames if is_letter(x) and x in written - joints},
         rods=[x if canonical(x) in spoken else "" for x in rods],
         start=_start(derivation.plain or derivation, seen),
-        view=(math.degrees(math.atan2(view[1], view[0])), math.degrees(math.asin(view[2]))),
-        rule=RULE,
+        view=drawing.view,
+        pose=seen.pose,
+        links=seen.links,
         formula=_formula,
-        typeset=lambda formula: marked(runs(formula)),
     )
 
 

@@ -14,10 +14,7 @@ from freebody.arrays import Array
 from freebody.expressions.expression import Expression
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
-from freebody.model.joints import KINDS
-from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.tree import TreeLoop
-from freebody.spatial import times
 from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.page_program import PageProgram
@@ -136,23 +133,6 @@ class ClosedChain:
             if k == i
         ]
 
-    def _symbol(self, kernel: PageProgram, loop: TreeLoop) -> dict[str, Any]:
-        """Drawing data of a loop's joint symbol: marks at its points, in space solids."""
-        dim = self.s.symbols.model.dim
-        given = next(x for x in self.s.symbols.model.loops if x.name == loop.name)
-        kind = KINDS[LOOP_KINDS[given.kind].symbol(dim)]
-        places = [kernel.places(self._place(frame)) for frame in loop.frames]
-        solids = [
-            {"at": places[1], "axis": kernel.places(self._along(loop, given.axis)),
-             "size": [part.radius, part.half, part.sides]}
-            for part in (kind.solids if dim == 3 and given.axis else ())
-        ]  # fmt: skip
-        return {"at": places, "mark": "" if solids else kind.mark, "solids": solids}
-
-    def _along(self, loop: TreeLoop, axis: tuple[float, ...]) -> tuple[Any, ...]:
-        R, _ = frame_pose(self.s.tree, self.s.world, loop.frames[0])
-        return vector(self.s, times(R, axis))
-
     # ------------------------------------------------------------ what closes it
     @property
     def solved_names(self) -> tuple[str, ...]:
@@ -188,17 +168,11 @@ class ClosedChain:
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
         """Data for closing loops in the script: places of Φ, Φ_q, c and of the torques of joints
-        without motor in the output, inputs to be solved for, and end points of massless rods."""
+        without motor in the output, and inputs to be solved for."""
         equations, s = self.loops.equations, self.s
         free = [self.reactions.motor(i) - self._pressed(s.index(i)) for i in self.passive]
         dots = {"q": ""} | ({} if self.at_rest else {"qd": RATE, "qdd": SECOND})
         return {
-            "rods": [
-                [kernel.places(self._place(frame)) for frame in loop.frames]
-                for loop in s.tree.loops
-                if loop.closure.distance
-            ],
-            "symbols": [self._symbol(kernel, loop) for loop in s.tree.loops],
             "phi": [kernel.places(x)[0] for x in equations.Phi],
             "jacobian": [kernel.places(tuple(row)) for row in equations.Phi_q],
             "c": [] if self.at_rest else [kernel.places(x)[0] for x in equations.c],

@@ -3,18 +3,21 @@ axes; and what the moving drawing takes over from the figure."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from freebody.algorithms.kinematics import frame_pose
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
 from freebody.expressions.naming import Naming
+from freebody.figures.skeleton import BodyPlace, Skeleton, extent
+from freebody.figures.view import View
 from freebody.model.tree import TreeBody
-from freebody.spatial import add, product, times
-from freebody_textbook.living.body_quantities import vector
+from freebody.moving.fitted_solids import Anchors, FittedSolids
+from freebody.moving.scene import LabelTexts, Scene, axis_names, box_of, grounds
+from freebody.spatial import times
 from freebody_textbook.living.closed_chain import ClosedChain
+from freebody_textbook.living.page_frames import PageFrames
 from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods.setting import LOADS, Setting
 
@@ -37,21 +40,22 @@ class DrawnBodies:
     ):
         self.kernel, self.values, self.naming, self.s = kernel, values, naming, setting
         self.tree, self.closed, self.labels = setting.tree, closed, labels
+        self.frames = PageFrames(kernel, setting, naming.model, setting.tree.body_of)
 
     def all(self) -> list[dict[str, Any]]:
         """Drawing data of all bodies."""
-        return [self._body(n) for n in range(1, len(self.naming.model.bodies) + 1)]
+        return [self._body(place) for place in self.labels.figure.pose.bodies]
 
-    def _body(self, n: int) -> dict[str, Any]:
-        naming, places = self.naming, self.kernel.places
-        stands, link, kind = self._stands_alone(n), self._is_link(n), naming.body(n).kind
+    def _body(self, place: BodyPlace) -> dict[str, Any]:
+        n, at = place.number, self.frames
+        stands, link, kind = self._stands_alone(n), self._is_link(n), place.kind
+        joint = at.origin(place)
         drawn = {
-            "joint": places(self.values[f"r{n}"]), "from": places(self._start(n)),
-            "centre": places(self.values[f"rc{n}"]), "ends": list(map(places, self._ends(n))),
-            "parent": naming.parent(n) - 1, "slides": kind.slides, "mark": kind.mark,
+            "joint": joint.place().data, "from": at.carrier(place).place().data,
+            "centre": at.end(place, None).place().data,
+            "ends": [at.end(place, end).place().data for end in place.ends],
+            "parent": self.naming.parent(n) - 1, "slides": kind.slides,
             "heavy": bool(self._own(n).masses), "alone": stands, "link": link,
-            "held": not self._is_link(naming.parent(n)), "holds": kind.holds,
-            "pins": self._pins(n),
             "forces": self._forces(n) if stands else [],
             "moments": self._moments(n) if stands else [],
             "names": {
@@ -60,59 +64,23 @@ class DrawnBodies:
                 if formula and not link
             },
         }  # fmt: skip
-        if kind.needs_axis and not link and len(self._own(n).axis) == naming.model.dim:
-            drawn["axis"] = places(self._axis(n))
-        if naming.planar and kind.turns:
-            drawn |= {"zero": places(self._zero(n)), "along": places(self._along(n))}
-        return drawn | ({"solids": self._solids(n)} if naming.model.dim == 3 and not link else {})
+        if place.axis is not None and not link:
+            drawn["axis"] = joint.way(place.axis).data
+        if self.naming.planar and kind.turns:
+            drawn |= {"zero": self._zero(place), "along": [joint.frame, 1.0, 0.0, 0.0]}
+        return drawn
 
-    def _start(self, n: int) -> Any:
-        """The point where the slide of joint n begins."""
-        own = self._first(n)
-        return self._placed(own.parent, own.p)
-
-    def _placed(self, body: int, p: Any) -> Any:
-        """World position of a point of a tree body (-1: the base)."""
-        if body < 0:
-            return vector(self.s, p)
-        R, origin = self.s.world[body]
-        return vector(self.s, add(origin, times(R, p)))
-
-    def _carrier(self, n: int) -> Any:
-        """The axes of joint n on the preceding body, in world axes."""
-        own = self._first(n)
-        return own.R if own.parent < 0 else product(self.s.world[own.parent][0], own.R)
-
-    def _zero(self, n: int) -> Any:
-        """The direction in which the angle of joint n is 0: along the preceding body, or as defined
+    def _zero(self, place: BodyPlace) -> list[float]:
+        """The direction in which the angle of a joint is 0: along the preceding body, or as defined
         by the notation."""
-        notation, above, first = self.naming.letters.notation, self.naming.parent(n), n
-        while above:
-            first = above if self.naming.body(above).kind.turns else first
-            above = self.naming.parent(above)
-        (x, _), (y, _) = self._carrier(first if notation.absolute else n)
-        for _ in range(notation.quarter_turns % 4 if notation.absolute or first == n else 0):
-            x, y = y * -1, x
-        return vector(self.s, (x, y))
-
-    def _along(self, n: int) -> Any:
-        """Direction of the x axis of body n."""
-        return vector(self.s, [row[0] for row in self.s.world[self.tree.body_of[n - 1]][0]])
-
-    def _solids(self, n: int) -> list[dict[str, Any]]:
-        """Solids that form a joint's symbol in space."""
-        kind, turned = self.naming.body(n).kind, self.s.world[self.tree.body_of[n - 1]][0]
-        made = []
-        for part in kind.solids:
-            axes = turned if part.moves else self._carrier(n)
-            way = [row["xyz".find(part.along)] for row in axes]
-            way = self._axis(n) if part.along == "axis" else vector(self.s, way)
-            place = self.values[f"r{n}"] if part.moves else self._start(n)
-            made.append(
-                {"at": self.kernel.places(place), "axis": self.kernel.places(way),
-                 "size": [part.radius, part.half, part.sides]}
-            )  # fmt: skip
-        return made
+        bodies, notation = self.labels.figure.pose.bodies, self.naming.letters.notation
+        above, first = place.parent, place
+        while above >= 0:
+            first = bodies[above] if bodies[above].kind.turns else first
+            above = bodies[above].parent
+        carrier = self.frames.carrier(first if notation.absolute else place)
+        turns = notation.quarter_turns if notation.absolute or first is place else 0
+        return [carrier.frame, *((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4], 0]
 
     def _is_link(self, n: int) -> bool:
         """Whether body n is only a massless connection between consecutive joints."""
@@ -124,30 +92,14 @@ class DrawnBodies:
         few = len(self.naming.model.bodies) <= FEW
         return not self._is_link(n) and (few or bool(self._own(n).masses))
 
-    def _ends(self, n: int) -> list[Any]:
-        """The points to which body n extends: further joints and frames."""
-        return [
-            self._start(end) if isinstance(end, int) else self._frame(end)
-            for end in self.labels.figure.ends[n - 1]
-        ]
-
-    def _frame(self, name: str) -> Any:
-        return vector(self.s, frame_pose(self.tree, self.s.world, name)[1])
-
-    def _pins(self, n: int) -> list[list[int]]:
-        """The points of body n where loops end."""
-        return [
-            self.kernel.places(end.place) for end in (self.closed.ends(n) if self.closed else ())
-        ]
-
-    def tip(self) -> list[int]:
-        """Output places of the tip's coordinates; empty if there is no tip."""
-        return self.kernel.places(self.values["r"]) if "r" in self.values else []
+    def tip(self) -> list[float]:
+        """The place of the tip; empty if there is none."""
+        return self.frames.point(self.values["r"]) if "r" in self.values else []
 
     def points(self) -> list[dict[str, Any]]:
         """Drawing data of further point frames, with names."""
         return [
-            {"at": self.kernel.places(self._frame(frame)), "name": self.labels.number(name)}
+            {"at": self.frames.named(frame).place().data, "name": self.labels.number(name)}
             for frame, name in self.labels.figure.points.items()
         ]
 
@@ -217,7 +169,7 @@ class DrawnBodies:
 
     def _acting(self, kind: str, place: Any, vector: Any, sign: int, name: int) -> dict[str, Any]:
         return {
-            "kind": kind, "at": self.kernel.places(place), "is": self.kernel.places(vector),
+            "kind": kind, "at": self.frames.point(place), "is": self.kernel.places(vector),
             "sign": sign, "name": name,
         }  # fmt: skip
 
@@ -225,17 +177,8 @@ class DrawnBodies:
     def _in_world(self, n: int, vector: Any) -> Any:
         return vector if self.naming.planar else times(self.values[f"R{n}"], vector)
 
-    def _axis(self, n: int) -> Any:
-        """Direction of the axis of joint n."""
-        return vector(self.s, times(self.s.world[self.tree.body_of[n - 1]][0], self._own(n).axis))
-
     def _own(self, n: int) -> TreeBody:
         return self.tree.bodies[self.tree.body_of[n - 1]]
-
-    def _first(self, n: int) -> TreeBody:
-        """The first tree body of a joint that consists of several single joints."""
-        before = (k for k in self.tree.body_of if k < self.tree.body_of[n - 1])
-        return self.tree.bodies[1 + max(before, default=-1)]
 
 
 @dataclass(frozen=True)
@@ -244,8 +187,6 @@ class PageFigure:
 
     bodies: Sequence[Mapping[str, str]]
     """The formulas of each body by what they name, such as C its centre of mass."""
-    ends: Sequence[Sequence[int | str]]
-    """The ends of each body: numbers of bodies that hang on it, and names of frames."""
     tip: str
     """The name of the tip."""
     points: Mapping[str, str]
@@ -254,14 +195,32 @@ class PageFigure:
     """The length of each loop's rod, or ""."""
     start: Mapping[str, float]
     """Values of the symbols at the start."""
-    view: tuple[float, float]
-    """Azimuth and elevation of the viewer of a robot in space, degrees."""
-    rule: Mapping[str, Any]
-    """The rule by which labels find their places."""
+    view: View
+    pose: Skeleton
+    """The places of its bodies at the start."""
+    links: Collection[int]
+    """Indices of bodies that stand for nothing real, which are not drawn."""
     formula: Callable[[Expression], str]
     """A name as a formula."""
-    typeset: Callable[[str], str]
-    """A formula as pieces of an SVG text."""
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the robot, m."""
+        return extent([self.pose])
+
+    def scene(self, anchors: Anchors, texts: LabelTexts) -> Scene:
+        """The scene in which the figure moves: without a floor."""
+        size, pose = self.size, self.pose
+        return Scene(
+            pose.dim,
+            tuple(FittedSolids(pose, size, anchors, self.links).all()),
+            box_of([pose], 0.0),
+            size,
+            self.view,
+            texts,
+            tuple(grounds(pose, anchors)),
+            tuple(axis_names(pose.dim, size, anchors.base, texts)),
+        )
 
 
 @dataclass(frozen=True)
@@ -269,17 +228,12 @@ class Labels:
     """The formulas used as labels on a page, each stored once and numbered."""
 
     figure: PageFigure
-    numbers: dict[str, int] = field(default_factory=dict)
+    texts: LabelTexts = field(default_factory=LabelTexts)
 
     def number(self, formula: str) -> int:
         """The number of a label formula; -1 for an empty one."""
-        return self.numbers.setdefault(formula, len(self.numbers)) if formula else -1
+        return self.texts.number(formula)
 
     def of(self, name: Expression, sign: int = 1) -> int:
         """The number of a name's label, with a sign."""
         return self.number("−" * (sign < 0) + self.figure.formula(name))
-
-    def template(self) -> str:
-        """All label formulas as HTML, to be copied by the page."""
-        texts = (f"<text>{self.figure.typeset(formula)}</text>" for formula in self.numbers)
-        return f'<template id="names"><svg>{"".join(texts)}</svg></template>'

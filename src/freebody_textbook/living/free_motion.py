@@ -14,6 +14,7 @@ from freebody.spatial import add, scale, sub, times
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.drawn_bodies import Labels
+from freebody_textbook.living.page_frames import PageFrames
 from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
@@ -79,26 +80,35 @@ class FreeFlight:
             found.append((name, scale(self.s.symbols.ring[name], along), p))
         return found
 
-    def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
-        """Drawing data of the body, its weight and the thrusts, relative to its origin."""
-        R, at = self.s.world[self._body]
-        centre = sub(self.s.centre_position(self._body), at)
+    def frames(self, kernel: PageProgram) -> PageFrames:
+        """The frames of the drawing, relative to the body's origin."""
+        given = self.s.symbols.given or self.s.symbols.model
+        _, origin = self.s.world[self._body]
+        return PageFrames(kernel, self.s, given, (self._body,), origin)
+
+    def body(
+        self, kernel: PageProgram, frames: PageFrames, labels: Labels, letters: Lettering
+    ) -> dict[str, Any]:
+        """Drawing data of the body, its weight and the thrusts."""
+        R, origin = self.s.world[self._body]
+        centre = self.s.centre_position(self._body)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
         given = self.s.symbols.given or self.s.symbols.model
         mass = labels.figure.formula(letters(mass_symbol(given, 0)))
         acting = [("weight", labels.number(f"{mass} *g*"), weight, centre)]
         acting += [
-            ("external", labels.of(letters(sym(name))), times(R, force), times(R, p))
+            ("external", labels.of(letters(sym(name))), times(R, force), add(origin, times(R, p)))
             for name, force, p in self._pushes()
         ]
+        (place,) = labels.figure.pose.bodies
+        at = frames.origin(place).place().data
         return {
-            "joint": kernel.places((0.0, 0.0, 0.0)), "from": kernel.places((0.0, 0.0, 0.0)),
-            "centre": kernel.places(vector(self.s, centre)),
-            "ends": [kernel.places(vector(self.s, times(R, p))) for _, _, p in self._pushes()],
-            "parent": -1, "slides": False, "pins": [], "alone": True, "link": False, "held": False,
-            "moments": [], "mark": "", "solids": [], "heavy": True, "holds": False, "names": {},
+            "joint": at, "from": at, "centre": frames.end(place, None).place().data,
+            "ends": [frames.end(place, end).place().data for end in place.ends],
+            "parent": -1, "slides": False, "alone": True, "link": False, "heavy": True,
+            "moments": [], "names": {},
             "forces": [
-                {"kind": kind, "at": kernel.places(vector(self.s, place)),
+                {"kind": kind, "at": frames.point(place),
                  "is": kernel.places(vector(self.s, force)), "sign": 1, "name": name}
                 for kind, name, force, place in acting
             ],

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -16,6 +16,7 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
+from freebody.moving.renderer import renderer
 from freebody.outputs.page_script import joined, packed
 from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Derivation
@@ -30,6 +31,7 @@ from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.drawn_bodies import DrawnBodies, Labels, PageFigure
 from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
+from freebody_textbook.living.page_frames import PageFrames
 from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
@@ -48,10 +50,11 @@ MOST_BODIES = 30
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
+_EDGE = 48
+"""Pixels around the drawing, for names."""
 _FOLDER = "freebody_textbook.living"
 SCRIPTS = (
-    "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
-    "free_bodies.js", "closing.js", "answers.js", "page.js",
+    "grammar.js", "reader.js", "free_bodies.js", "closing.js", "answers.js", "page.js",
 )  # fmt: skip
 """The script that a page runs, in its parts."""
 
@@ -83,8 +86,9 @@ def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
     naming = Naming(symbols.model, letters=derivation.lettering)
     bodies = DrawnBodies(kernel, drawn, naming, setting, closed, labels)
     following = closed or FreeJoints(plain, drawn)
-    places = {"tip": bodies.tip(), "points": bodies.points()}
-    return _parts(derivation, kernel, found, bodies.all(), following, labels, places)
+    marks = {"tip": bodies.tip(), "points": bodies.points()}
+    picture = MovingFigure(labels, bodies.frames, bodies.all(), marks)
+    return _parts(derivation, kernel, found, picture, following)
 
 
 def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> LivingParts | None:
@@ -96,23 +100,21 @@ def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> Livi
     found = traced_values(plain, flight.quantities(), kernel)
     if not flight.need(found.quantities):
         return None
-    bodies = [flight.body(kernel, labels, derivation.lettering)]
-    figure = replace(labels.figure, start=flight.start())
-    labels = replace(labels, figure=figure)
-    return _parts(derivation, kernel, found, bodies, flight, labels, {"tip": bodies[0]["joint"]})
+    labels = replace(labels, figure=replace(labels.figure, start=flight.start()))
+    frames = flight.frames(kernel)
+    body = flight.body(kernel, frames, labels, derivation.lettering)
+    picture = MovingFigure(labels, frames, [body], {"tip": body["joint"], "points": []})
+    return _parts(derivation, kernel, found, picture, flight)
 
 
 def _parts(
     derivation: Derivation,
     kernel: PageProgram,
     found: LineValues,
-    bodies: list[dict[str, Any]],
+    picture: MovingFigure,
     following: Following,
-    labels: Labels,
-    marked: Mapping[str, Any],
 ) -> LivingParts:
-    """The assembled parts of an interactive page. marked: places in the kernel's output of the tip,
-    if any, and of further points."""
+    """The assembled parts of an interactive page."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     spoken |= dict.fromkeys(shown(plain.equations.symbols.model, found.quantities))
@@ -125,26 +127,24 @@ def _parts(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
     used = kernel.used | frozenset(following.names)
+    drawn = picture.data
     answers = PageAnswers(derivation, kernel, readable, found.defined)
-    page: dict[str, Any] = {
-        "bodies": list(map(_said, bodies)),
+    page: dict[str, Any] = drawn | {
         "lines": [_line(kernel, found, line, letters, answers) for line in found.lines],
     }
     units = units_of_symbols(plain) | dict.fromkeys(LOADS[3], "N")
     if isinstance(following, ClosedChain):
         units |= following.units
-    figure = labels.figure
+    figure = picture.labels.figure
     inputs = _inputs(plain, used, following, figure.start, units)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
-    axes = "xy" if plain.equations.symbols.model.dim == 2 else "XYZ"
-    page["figure"] = _figure(labels, axes, marked)
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     of_lines = LineUnits(plain, units)
-    dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
+    dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in picture.bodies)
     naming = Naming(plain.equations.symbols.model)
     loops = range(len(naming.model.loops))
     exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
@@ -152,7 +152,7 @@ def _parts(
     run = f"{kernel.source(answers.symbols(inputs))}\n{_script()}"
     data = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return LivingParts(
-        panel(inputs, dim, alone, letters, figure.view) + labels.template(),
+        panel(inputs, dim, alone, letters),
         {own[step]: rows for step, rows in told.items()},
         joined(_FOLDER, ["unpacked.js"])
         .replace("PAGE", packed(data))
@@ -161,17 +161,34 @@ def _parts(
     )
 
 
-def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, Any]:
-    """Drawing data besides the bodies: axes, rods, points, and the tip if there is one."""
-    figure = labels.figure
-    drawn: dict[str, Any] = {
-        "rule": dict(figure.rule),
-        "axes": [labels.number(x) for x in axes],
-        "rods": [labels.number(x) for x in figure.rods],
-    }
-    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
-    drawn["points"] = marked.get("points", [])
-    return drawn | ({"tip": tip} if tip else {})
+@dataclass(frozen=True)
+class MovingFigure:
+    """The drawing of a page: its frames, the bodies as data, and the marked places: that of the
+    tip, if any, and of further points."""
+
+    labels: Labels
+    frames: PageFrames
+    bodies: Sequence[Mapping[str, Any]]
+    marks: Mapping[str, Any]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The drawing as the script reads it."""
+        figure, frames, marks = self.labels.figure, self.frames, self.marks
+        tip = {"at": marks["tip"], "name": self.labels.number(figure.tip)} if marks["tip"] else None
+        rods = [
+            {"ends": [frames.carrier(loop).place().data, frames.origin(loop).place().data],
+             "name": self.labels.number(name)}
+            for loop, name in zip(figure.pose.loops, figure.rods, strict=True)
+            if name
+        ]  # fmt: skip
+        notes = {"tip": tip, "points": marks["points"], "rods": rods}
+        notes["loop"] = bool(figure.pose.loops)
+        scene = figure.scene(frames, self.labels.texts).data | {"edge": _EDGE}
+        return {
+            "bodies": list(map(_said, self.bodies)), "notes": notes, "scene": scene,
+            "frames": frames.data,
+        }  # fmt: skip
 
 
 def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
@@ -299,5 +316,5 @@ def _angles(derivation: Derivation) -> set[str]:
 @cache
 def _script() -> str:
     """The part of the script common to all pages."""
-    numbers = joined("freebody.moving", ["numbers.js"])
-    return f'(function () {{\n"use strict";\n{numbers}\n{joined(_FOLDER, SCRIPTS)}\n}})();\n'
+    drawing = renderer(notes=True)
+    return f'(function () {{\n"use strict";\n{drawing}\n{joined(_FOLDER, SCRIPTS)}\n}})();\n'

@@ -19,14 +19,34 @@ function follow() {
     output.textContent = significant(value);
     output.title = String(value);
   });
-  for (const row of rows) {
+  for (const row of valueRows) {
     const value = valueOf(row.line.places, y), output = row.element.querySelector("output");
     output.textContent = told(value);
     output.title = Array.isArray(value) ? `[${value.join(", ")}]` : String(value);
   }
   if (!closed) return;
-  drawArm(find("arm"), page.bodies, page.loop ? page.loop.rods : [], y);
-  drawBodies(find("bodies"), page.bodies.filter((body) => body.alone), y);
+  stage.place(y, stage.own);
+  frame();
+  stage.show(y);
+}
+
+// The drawing, and the bodies alone, which are seen as the robot is.
+const notes = new Notes(page.bodies, page.notes);
+const stage = new Stage(find("arm-solids"), find("arm"), page.scene, page.frames.length / FRAME, (y, own) => page.frames.forEach((place, k) => { own[k] = y[place]; }),
+  {least: WIDE, notes: (stage) => { notes.draw(stage); pushed(stage, page.bodies, y); alone.draw(y); }});
+const alone = new FreeBodies(find("bodies-solids"), find("bodies"), page.scene, stage, page.bodies.filter((body) => body.alone));
+// The box of the world that is drawn. It grows with what moves, so that the drawing stays where it
+// is, and is made anew where little of it is used; symbols are as large as it was at first.
+let box = null;
+function frame() {
+  const around = (points) => [0, 1, 2].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
+  const diagonal = (box) => length(box.map(([low, high]) => high - low)), corner = (box, n) => [0, 1, 2].map((k) => box[k][n >> k & 1]);
+  const now = around(page.scene.solids.flatMap(([, a, b]) => [a, b]).map((place) => inWorld(stage.frames, place)));
+  const both = box && [0, 1, 2].map((k) => [Math.min(box[k][0], now[k][0]), Math.max(box[k][1], now[k][1])]);
+  const kept = both && diagonal(both) < 2.5 * diagonal(now);
+  if (!kept) stage.size = box ? diagonal(now) : page.scene.size;
+  box = kept ? both : now;
+  stage.camera.corners = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => corner(box, n));
 }
 
 // Predict first: a step is hidden until each line that can be asked for is right, or all are shown.
@@ -57,7 +77,7 @@ function question(row, reveal) {
   return field;
 }
 function hide(values) {
-  const own = rows.filter((row) => row.element.parentElement === values && row.line.name);
+  const own = valueRows.filter((row) => row.element.parentElement === values && row.line.name);
   const step = values.parentElement, questions = element("div", {class: "questions"}, "");
   const show = element("button", {type: "button"}, "Show the lines");
   const open = () => step.classList.remove("hidden");
@@ -72,7 +92,7 @@ function predict(on) {
   for (const old of document.querySelectorAll(".questions")) old.remove();
   for (const step of document.querySelectorAll(".hidden")) step.classList.remove("hidden");
   if (on) document.querySelectorAll(".values").forEach(hide);
-  view.predicts = on;  // numbers of forces and moments could be read off the drawing
+  alone.predicts = on;  // numbers of forces and moments could be read off the drawing
   follow();
 }
 
@@ -80,17 +100,16 @@ function predict(on) {
 function read() {
   page.inputs.forEach((input, k) => { if (!input.solved) x[k] = Number(find(`in${k}`).value); });
 }
-const rows = [...document.querySelectorAll(".value")].map((element) =>
+const valueRows = [...document.querySelectorAll(".value")].map((element) =>
   ({element, line: page.lines[Number(element.dataset.line)]}));
 page.inputs.forEach((input, k) => {
   if (input.solved) return;
   find(`in${k}`).addEventListener("input", () => { read(); follow(); });
 });
-for (const [angle, unit] of [["turn", Math.PI / 180], ["tilt", Math.PI / 180], ["first", 1]]) {
-  const slider = find(angle), set = () => { view[angle] = Number(slider.value) * unit; };
-  if (!slider) continue;
-  set();
-  slider.addEventListener("input", () => { read(); set(); follow(); });
+const slider = find("first");
+if (slider) {
+  alone.most = AT_ONCE;
+  slider.addEventListener("input", () => { alone.first = Number(slider.value); alone.again(); });
 }
 find("again").addEventListener("click", () => {
   page.inputs.forEach((input, k) => {
@@ -98,8 +117,8 @@ find("again").addEventListener("click", () => {
     if (!input.solved) find(`in${k}`).value = input.value;
   });
   box = null;
-  memory.arm.clear();
-  memory.bodies.clear();
+  for (const {sheet} of [stage, alone.surface]) sheet.last.clear();
+  stage.camera.reset();
   read();
   follow();
 });

@@ -30,6 +30,13 @@ GROUPS = {
 MOST = 6
 """Bodies up to which all are drawn alone at once; of more so many as stand beside a slider."""
 AT_ONCE = 4
+_SEEN = {
+    2: 'role="img" aria-label="The robot in the state of the sliders"',
+    3: 'tabindex="0" role="application" aria-label="The robot in the state of the sliders: arrow '
+    'keys turn the view, plus and minus change its size, 0 resets it" title="Drag to turn the '
+    'view; + and − change its size, 0 resets it"',
+}
+"""Attributes of the drawing for readers of the screen, by dimension."""
 
 
 def panel(
@@ -37,34 +44,28 @@ def panel(
     dim: int,
     alone: int,
     letters: Lettering,
-    view: tuple[float, float],
 ) -> str:
-    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings; view:
-    initial azimuth and elevation of a spatial robot, degrees."""
+    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings."""
     groups = []
     for key, title in GROUPS.items():
         rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
             state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
-    turned = "".join(
-        f'<p class="slider view"><label for="{name}">{name} the view</label><input id="{name}" '
-        f'type="range" min="{low}" max="{high}" value="{value:.0f}" step="1"/></p>'
-        for name, low, high, value in (("turn", -180, 180, view[0]), ("tilt", -10, 90, view[1]))
-        if dim == 3
-    )
+    turned = ""
     if alone > MOST:
-        turned += (
-            '<p class="slider view"><label for="first">bodies alone</label><input id="first" '
+        turned = (
+            '<p class="slider which"><label for="first">bodies alone</label><input id="first" '
             f'type="range" min="0" max="{alone - AT_ONCE}" value="0" step="1"/></p>'
         )
     moments = "; moments, with two heads, to another" if dim == 3 else ""
     return (
         '<aside class="try" id="try" hidden=""><h2>Try it</h2><div class="drawn">'
-        '<svg id="arm" class="fig" role="img" '
-        'aria-label="The arm in the state of the sliders"></svg>'
-        '<svg id="bodies" class="fig" role="img" '
-        'aria-label="Its bodies, each alone, with the forces on them"></svg>'
+        f'<div class="stage view"><canvas id="arm-solids" {_SEEN[dim]}></canvas>'
+        '<svg id="arm" class="fig" aria-hidden="true"></svg></div>'
+        '<div class="stage"><canvas id="bodies-solids" role="img" aria-label="Its bodies, each '
+        'alone, with the forces on them"></canvas>'
+        '<svg id="bodies" class="fig" aria-hidden="true"></svg></div>'
         f'<p class="scale">Forces on all bodies are drawn to one scale{moments}. '
         "Values below the equations are in SI units and belong to this state.</p>"
         f'<p id="open" role="status"></p>{turned}</div><div>{"".join(groups)}'

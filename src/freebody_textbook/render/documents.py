@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from freebody.expressions.nodes import Expression, Sourced, nodes
 from freebody.expressions.typesetting.literal import declared, literal
 from freebody.expressions.typesetting.mathml import lean, mathml
+from freebody.figures import colours
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.page_head import SHEETS, math_style, policy
 from freebody_textbook.render import equation_lines, styles
@@ -329,7 +330,7 @@ def html(
     interactive."""
     title, inside, head, run = web_prose(_title(derivation)), body, policy(), ""
     if living is not None:
-        inside, style = tried(living), style + styles.PANEL + styles.STATE
+        inside, style = tried(living), style + colours.variables() + styles.PANEL + styles.STATE
         head, run = policy([living.script, living.inflated]), f"<script>{living.script}</script>"
     kind = ' class="living"' if living else ""
 

@@ -40,10 +40,12 @@ print without colour shows it too."""
 PANEL = """
 .try{border:1px solid #c9d0d8;border-radius:.5rem;padding:.2rem 1rem;margin:1.5rem 0;
 font-size:.9rem}
-.try h2{margin:.6rem 0}.try svg{display:block;width:100%;max-width:34rem}
+.try h2{margin:.6rem 0}.stage{position:relative;max-width:34rem}
+.stage canvas{display:block;width:100%;touch-action:pan-y}.view canvas{aspect-ratio:6/5}
+.stage svg{position:absolute;inset:0;width:100%;height:100%;pointer-events:none;background:none}
 .try summary{padding:.3rem 0}
 .slider{display:flex;gap:.6rem;align-items:center;margin:.15rem 0}
-.slider label{min-width:2.4rem}.view label{min-width:6.2rem}
+.slider label{min-width:2.4rem}.which label{min-width:6.2rem}
 .slider input{flex:1;min-width:4rem}.slider span{min-width:7.5rem}
 .values{color:#5a6675;font-size:.95rem;overflow-x:auto}.value{margin:.15rem 0;max-width:none}
 .value math,.slider math{font-size:1.05rem}.value math{math-style:normal}
@@ -58,7 +60,7 @@ font-size:.9rem}
 grid-template-columns:1fr 1fr;gap:0 2rem}.living .try h2{grid-column:1/3}
 .living .drawn{position:sticky;top:0;align-self:start}}
 @media screen and (min-width:80rem){.living{margin-right:25rem}
-.drawn{display:contents}#arm{position:sticky;top:0}
+.drawn{display:contents}.view{position:sticky;top:0;background:var(--paper);z-index:1}
 .try{position:fixed;top:1rem;right:1rem;width:21rem;margin:0;max-height:calc(100vh - 3rem);
 overflow-y:auto}}
 @media screen and (min-width:82rem){.living{margin-right:27rem}.try{width:23rem}}
@@ -153,7 +155,7 @@ box-sizing:border-box}
 .symbols td:last-child:not(:empty)::before{content:" ["}
 .symbols td:last-child:not(:empty)::after{content:"]"}
 .try .slider span{min-width:6.6rem}.try .slider label{min-width:2rem}}
-@media screen and (max-width:40rem) and (min-height:36rem){.try #arm{position:sticky;top:0;
+@media screen and (max-width:40rem) and (min-height:36rem){.try .view{position:sticky;top:0;
 z-index:1;background:var(--paper)}}
 """
 """The style of the parts that all pages with steps share, in narrow windows and under fingers:

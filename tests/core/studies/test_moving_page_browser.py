@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,12 +98,27 @@ def number(text: str) -> float:
 def test_the_tip_is_where_python_has_it(study, page, path):
     assert path.stat().st_size < LARGEST
     t, q = map(np.array, page.execute_script(SAMPLES))
-    kept = np.searchsorted(study.motion.t, t)
-    assert np.array_equal(study.motion.t[kept], t)
-    assert np.array_equal(study.motion.q[kept], q)
+    own = np.isin(t, study.motion.t)
+    assert own.sum() >= len(t) - 4  # the others are instants of the verdict, between samples
+    kept = np.searchsorted(study.motion.t, t[own])
+    assert np.array_equal(study.motion.q[kept], q[own])
+    assert np.abs(study.motion.at(t)[0] - q).max() < 1e-9
     places = np.array(page.execute_script(PLACES))
     expected = study.data["tip_position"].values[kept]
-    assert np.abs(places[:, : expected.shape[1]] - expected).max() < 1e-9
+    assert np.abs(places[own][:, : expected.shape[1]] - expected).max() < 1e-9
+
+
+def test_the_page_goes_to_the_verdicts_own_instants(study, page):
+    """Where a limit is used most between samples, the page shows that instant and its numbers."""
+    shown = page.execute_script("return [...player.t]")
+    for use in study.verdict.uses[:3]:
+        if np.isfinite(use.time) and not study.model.loops:
+            assert np.abs(np.array(shown) - use.time).min() < 1e-9 * study.motion.duration
+            if use.quantity == "speed":
+                k = int(np.argmin(np.abs(np.array(shown) - use.time)))
+                row = list(study.model.driven_names).index(use.coordinate)
+                told = number(page.execute_script(NOW, k)[row][1])
+                assert abs(abs(told) - abs(use.value)) <= 1e-3 * abs(use.value)
 
 
 def test_nothing_is_asked_for_and_nothing_fails(page, path):
@@ -116,8 +132,9 @@ def test_nothing_is_asked_for_and_nothing_fails(page, path):
 
 
 def test_one_cursor_moves_everything(study, page):
-    instant = 100
-    t = page.execute_script(SAMPLES)[0][instant]
+    samples = page.execute_script(SAMPLES)[0]
+    instant = next(k for k in range(100, 110) if samples[k] in study.motion.t)
+    t = samples[instant]
     k = int(np.searchsorted(study.motion.t, t))
     rows = page.execute_script(NOW, instant)
     assert len(rows) == len(study.model.driven_names)
@@ -153,6 +170,29 @@ def test_the_worst_instant_is_gone_to(study, page):
     page.execute_script("player.show(0); document.querySelector('[data-instant]').click()")
     shown = page.execute_script("return player.t[player.k]")
     assert shown == study.motion.t[study.worst.index]
+
+
+def test_the_tips_velocity_is_drawn_to_its_scale(study, page):
+    """So many pixels for so many metres per second, along the path as it is seen."""
+    speed = np.linalg.norm(study.data["tip_velocity"].values, axis=1)
+    fastest = study.motion.t[int(speed.argmax())]
+    instant = page.execute_script(f"player.seek({fastest}); return player.k")
+    lengths, right, up, t = page.execute_script(
+        "const {right, up} = player.stage.camera;"
+        "return [player.study.arrows.lengths, right, up, [...player.t]]"
+    )
+    x1, y1, x2, y2 = page.execute_script(
+        """const [shaft, head] = ['line.velocity', 'polygon.velocity-head'].map(
+          kind => document.querySelector(`#names ${kind}`)), tip = head.points[0];
+        return [shaft.x1.baseVal.value, shaft.y1.baseVal.value, tip.x, tip.y]"""
+    )
+    at = np.interp(t[instant], study.motion.t, np.arange(len(study.motion.t)))
+    v = study.data["tip_velocity"].values[round(at)]
+    seen = [float(np.dot(v, axis[: len(v)])) for axis in (right, up)]
+    expected = 60 / lengths["m/s"] * np.array(seen)
+    np.testing.assert_allclose([x2 - x1, y1 - y2], expected, atol=0.5)
+    drawn = page.execute_script("return document.querySelectorAll('#names .moment').length")
+    assert 0 < drawn <= len(study.model.driven_names)
 
 
 def test_keys_alone_suffice(study, page):
@@ -195,8 +235,8 @@ def test_torques_under_another_load_pace_and_tilt_are_those_of_a_study(study, pa
     gravity[-2:] = turned @ gravity[-2:]
     model = study.model.with_payload(load).replace(gravity=gravity)
     t, q = map(np.array, page.execute_script(SAMPLES))
-    kept = np.searchsorted(study.motion.t, t)
-    qd, qdd = pace * study.motion.qd[kept], pace**2 * study.motion.qdd[kept]
+    _, qd, qdd = study.motion.at(t)
+    qd, qdd = pace * qd, pace**2 * qdd
     expected = fb.inverse_dynamics(model, q, qd, qdd)
     found = np.array(page.execute_script(CURVES, load, pace, tilt)).T
     assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
@@ -243,3 +283,61 @@ def test_the_page_stands_still_without_scripts_and_on_paper(study, path, chromiu
     assert {tuple(x) for x in on_paper} == {("still", True), ("moving", False)}
     options = {"preferCSSPageSize": True}
     assert len(base64.b64decode(chromium.execute_cdp_cmd("Page.printToPDF", options)["data"])) > 1e4
+
+
+SHAPED = """<robot name="shaped">
+<link name="base"/>
+<link name="upper"><inertial><mass value="3"/><origin xyz="0 0 0.2"/>
+<inertia ixx="0.05" iyy="0.05" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><origin xyz="0 0.1 0.2" rpy="0.3 0.2 0.5"/>
+<geometry><box size="0.1 0.3 0.4"/></geometry></visual></link>
+<joint name="pivot" type="revolute"><parent link="base"/><child link="upper"/>
+<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" velocity="2" effort="50"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def shaped(tmp_path_factory):
+    file = tmp_path_factory.mktemp("shaped") / "shaped.urdf"
+    file.write_text(SHAPED)
+    return fb.load(file)
+
+
+def test_shapes_do_not_make_another_robot(shaped):
+    bare = replace(shaped, shapes=())
+    assert shaped.shapes
+    assert not bare.shapes
+    assert bare == shaped
+    assert hash(bare) == hash(shaped)
+
+
+@pytest.mark.long
+def test_a_box_of_the_file_stands_where_its_link_is(shaped, chromium, tmp_path):
+    """Its eight corners in the page are those that forward kinematics places."""
+    chromium.get(fb.study(shaped).to_html(tmp_path / "index.html").as_uri())
+    q, corners = chromium.execute_async_script(
+        """const done = arguments[0], look = () => {
+          if (!player) return setTimeout(look, 5);
+          player.show(77);
+          const {parts, points} = player.stage.solids, {first, end} = parts[parts.length - 1];
+          done([[...player.q[77]], [...points.slice(3 * first, 3 * end)]]);
+        };
+        look()"""
+    )
+    T = fb.forward_kinematics(shaped, q, "upper")
+    R = rotation(0.3, 0.2, 0.5)
+    ends = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    local = [0, 0.1, 0.2] + ends * [0.05, 0.15, 0.2] @ R.T
+    expected = local @ T[:3, :3].T + T[:3, 3]
+    found = np.array(corners).reshape(-1, 3)
+    apart = np.linalg.norm(found[:, None] - expected, axis=-1)
+    assert apart.min(axis=0).max() < 2e-6  # a drawing is rounded to a micrometre
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    (a, b, c), (x, y, z) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array([
+        [c * b, c * y * x - z * a, c * y * a + z * x],
+        [z * b, z * y * x + c * a, z * y * a - c * x],
+        [-y, b * x, b * a],
+    ])  # fmt: skip

@@ -60,9 +60,10 @@ def test_nor_under_a_load_or_in_other_letters(driver, page_of, method):
     assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
 
 
-CIRCLES = """return ['main > figure svg', '#arm'].map(svg => arguments[0].map(kind =>
-  [...document.querySelectorAll(`${svg} circle.${kind}`)].map(e =>
-    [e.cx.baseVal.value, e.cy.baseVal.value])))"""
+PLACES = """return ['main > figure svg', '#arm'].map(svg => arguments[0].map(kind =>
+  [...document.querySelectorAll(`${svg} .${kind}`)].map(e => e.cx
+    ? [e.cx.baseVal.value, e.cy.baseVal.value]
+    : (p => [p.x, p.y])(e.getPointAtLength(e.getTotalLength() / 2)))))"""
 WRITTEN = """return ['main > figure svg', '#arm'].map(svg =>
   [...document.querySelectorAll(`${svg} text:not(.n)`)].map(e => e.textContent))"""
 
@@ -70,11 +71,13 @@ WRITTEN = """return ['main > figure svg', '#arm'].map(svg =>
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*SAMPLE, "ur5e", "five_bar_rods", "furuta", "quadrotor"])
 def test_the_moving_drawing_is_the_figure_above_it(driver, page_of, name):
-    """At first: the same names, and joints, centres of mass and the tip at the same places."""
+    """At first: the same names, and centres of mass, the tip and what the angles are measured from
+    at the same places."""
     driver.get(page_of(name).as_uri())
     above, moving = driver.execute_script(WRITTEN)
     assert Counter(above) == Counter(moving)
-    places = driver.execute_script(CIRCLES, ["pin", "com", "position-head"])
+    kinds = ["com", "position-head", "guide", "axisline"]
+    places = driver.execute_script(PLACES, kinds)
     still, drawn = (np.array([x for kind in found for x in kind]) for found in places)
     assert len(still) == len(drawn) > 0
     a, b = (x - x.mean(axis=0) for x in (still, drawn))

@@ -121,13 +121,8 @@ def along(place: DrawnJoint, part: Solid) -> Array | None:
 
 
 def _rings(drawing: Drawing, seen: Snapshot) -> None:
-    """Draw a ring about the axis of each wheel: a body without extent that turns and carries
-    nothing."""
-    for body in seen.drawn:
-        apart = bool(body.outline) or np.linalg.norm(body.com - body.origin) > SAME
-        carries = any(end.child is not None for end in body.ends)
-        if apart or carries or not body.mass or not body.kind.turns:
-            continue
+    """Draw a ring about the axis of each wheel."""
+    for body in filter(lambda body: body.wheel, seen.drawn):
         u, v = np.eye(seen.model.dim)[:2]
         if body.axis is not None:
             u = _across(body.axis)

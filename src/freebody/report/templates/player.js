@@ -1,26 +1,20 @@
 // The motion of a study: one cursor moves the robot, the curves and the table of this instant.
 
-const find = (id) => document.getElementById(id), SVG = "http://www.w3.org/2000/svg";
-function made(name, attributes, parent) {
-  const element = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  parent.append(element);
-  return element;
-}
+const find = (id) => document.getElementById(id);
 
 // A plot on the page: a vertical line with a dot on each curve, and what they are there.
 class Reading {
   constructor(figure, plot, columns, times) {
     Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
-    this.line = made("line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]}, this.svg);
-    this.dots = plot.curves.map(({colour}) => made("circle", {class: `spot${colour} f${colour}`, r: 3}, this.svg));
+    this.line = put(this.svg, "line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]});
+    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, r: 3}));
     this.text = document.createElement("p");
     this.text.className = "reading";
     const [left, top, right, bottom] = plot.page, box = {x: left, y: top, width: right - left, height: bottom - top, viewBox: `${left} ${top} ${right - left} ${bottom - top}`};
-    this.within = made("svg", box, this.svg);
+    this.within = put(this.svg, "svg", box);
     this.values = plot.curves.map(({name, colour}) => {
-      const item = document.createElement("span"), mark = made("svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}, item), value = document.createElement("b");
-      made("circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4}, mark);
+      const item = document.createElement("span"), mark = put(item, "svg", {class: "fig", width: 9, height: 9, "aria-hidden": "true"}), value = document.createElement("b");
+      put(mark, "circle", {class: `f${colour}`, cx: 4.5, cy: 4.5, r: 4});
       item.append(` ${name} `, value);
       this.text.append(item, " ");
       return value;
@@ -54,7 +48,7 @@ class Reading {
       this.values[i].parentElement.classList.toggle("anew", Boolean(column.anew));
       if (!column.anew) return;
       const points = Array.from(this.times, (t, k) => this.place(t, column.values[k]).map((x) => x.toFixed(1)).join(" "));
-      made("path", {class: "again", d: `M${points.join("L")}`}, this.within);
+      put(this.within, "path", {class: "again", d: `M${points.join("L")}`});
       const ends = [Math.min(...column.values), Math.max(...column.values)];
       if (ends[0] < low || ends[1] > high) left.push(...ends);
     });
@@ -70,15 +64,24 @@ class Reading {
   }
 }
 
+// Pixels: the longest arrow on the robot, the radius of an arc; shares of the largest that are seen.
+const LONGEST = 60, ROUND = 21, WHOLE = 1.5 * Math.PI, LEAST = 0.02;
+const BENDS = 200;  // of the tip's path: more are not seen, and take half of a frame's time
+// A direction of space across another, and one across both.
+function acrossBoth(way) {
+  const k = mostAcross(way), first = unit(minus([0, 1, 2].map((i) => +(i === k)), way.map((x) => x * way[k])));
+  return [first, cross(way, first)];
+}
+
 class Player {
   constructor(study, t, q, columns) {
     Object.assign(this, {study, t, k: study.first, speed: 1, playing: false, work: []});
     this.q = Array.from(t, (_, k) => q.subarray(k * study.nq, (k + 1) * study.nq));
     this.columns = columns;
-    this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed);
+    this.stage = new Stage(find("canvas"), find("names"), study.scene, study.bodies, placed, {notes: (stage) => this.acting(stage)});
     this.stage.frame(this.q.filter((_, k) => k % Math.ceil(this.q.length / 40) === 0));
     if (study.scene.tip) this.tips = this.stage.places(this.q, study.scene.tip);
-    this.stage.path = this.tips || [];
+    this.stage.path = (this.tips || []).filter((_, k, {length}) => k % Math.ceil(length / BENDS) === 0 || k === length - 1);
     this.readings = [...document.querySelectorAll("[data-plot]")].map((figure) => {
       const plot = study.plots[Number(figure.dataset.plot)];
       return new Reading(figure, plot, plot.curves.map(({column}) => columns[column]), t);
@@ -108,6 +111,21 @@ class Player {
       find("play").click();
     });
     this.show(this.k);
+  }
+  // The torques and forces of the drives, and the velocity of the tip, on the robot.
+  acting(stage) {
+    const {study: {drives, arrows, scene}, columns, k} = this, {sheet} = stage;
+    for (const {at, axis, effort, unit: of} of drives) {
+      const share = columns[effort].values[k] / arrows.lengths[of];
+      if (!axis || !(Math.abs(share) > LEAST)) continue;
+      const way = wayInWorld(stage.frames, axis), from = stage.at(at);
+      if (of === "N") arrow(sheet, "external", from, plus(from, stage.onSheet(way), LONGEST * share));
+      else arc(sheet, "moment", from, ROUND, 0, WHOLE * Math.max(-1.2, Math.min(share, 1.2)), 8, acrossBoth(way).map((one) => stage.onSheet(one)));
+    }
+    const v = arrows.tip.map((column) => (this.what?.found.pace || 1) * columns[column].values[k]), far = length(v) / arrows.lengths["m/s"];
+    if (!(far > LEAST)) return;
+    const from = stage.at(scene.tip);
+    arrow(sheet, "velocity", from, plus(from, stage.onSheet([...v, 0].slice(0, 3)), LONGEST / arrows.lengths["m/s"]));
   }
   // The nearest instant to a time.
   nearest(time) {

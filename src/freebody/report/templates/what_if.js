@@ -6,7 +6,7 @@ const largestOf = (values) => values.reduce((most, x) => Math.max(most, Math.abs
 
 class WhatIf {
   constructor(player, {what, nv, drives}, rates, expected) {
-    Object.assign(this, {player, what, nv, drives, rates});
+    Object.assign(this, {player, what, nv, drives, rates, between: new Set(what.between)});  // peaks and means are of samples
     const fault = this.unlike(expected);
     if (fault) {
       find("what").remove();
@@ -37,15 +37,15 @@ class WhatIf {
   }
   // The share that is used of a limit, with the instant; of a mean none.
   use({quantity, column, limit, fraction, value, time, ...rest}, {curves, pace}) {
-    const {player: {t}, nv, rates} = this, curve = curves[column], at = (numbers) => {
+    const {player: {t}, nv, rates, between} = this, curve = curves[column], at = (numbers) => {
       let k = 0;
-      numbers.forEach((x, j) => { if (Math.abs(x) > Math.abs(numbers[k])) k = j; });
+      numbers.forEach((x, j) => { if (!between.has(j) && Math.abs(x) > Math.abs(numbers[k])) k = j; });
       return {value: Math.abs(numbers[k]), time: t[k]};
     };
     let found = {value, time};
     if (quantity === "speed") found = {value: pace * Math.abs(value), time};
     else if (quantity === "power") found = at(curve.map((x, k) => x * pace * rates[k * nv + column]));
-    else if (quantity.startsWith("RMS")) found = {value: Math.sqrt(meanSquare(t, curve)), time: null};
+    else if (quantity.startsWith("RMS")) found = {value: Math.sqrt(meanSquare(t, curve, between)), time: null};
     else if (quantity !== "position") found = at(curve);
     const share = quantity === "position" ? fraction : quantity === "speed" ? pace * fraction : found.value / limit;
     return {...rest, ...found, quantity, limit, share};
@@ -88,7 +88,7 @@ class WhatIf {
       const {coordinate, unit, limit} = this.drives[Number(row.dataset.drive)], cells = row.querySelectorAll("td"), peak = largestOf(curves[coordinate]);
       cells[0].textContent = `${significant(largestOf(this.given.curves[coordinate]), 4)} ${unit}`;
       cells[1].textContent = `${significant(peak, 4)} ${unit}`;
-      cells[2].textContent = `${significant(Math.sqrt(meanSquare(this.player.t, curves[coordinate])), 4)} ${unit}`;
+      cells[2].textContent = `${significant(Math.sqrt(meanSquare(this.player.t, curves[coordinate], this.between)), 4)} ${unit}`;
       cells[3].textContent = limit ? percent(peak / limit) : "no limit";
       cells[3].classList.toggle("over", limit !== null && peak > limit * (1 + CLOSE));
     }
@@ -114,9 +114,13 @@ function again(column, values) {
   column.anew = values !== null;
   column.largest = largestOf(column.values);
 }
-function meanSquare(t, x) {
-  let sum = 0;
-  for (let k = 1; k < t.length; k++) sum += (t[k] - t[k - 1]) * (x[k] ** 2 + x[k - 1] ** 2) / 2;
+function meanSquare(t, x, between) {
+  let sum = 0, last = 0;
+  for (let k = 1; k < t.length; k++) {
+    if (between.has(k)) continue;
+    sum += (t[k] - t[last]) * (x[k] ** 2 + x[last] ** 2) / 2;
+    last = k;
+  }
   return sum / (t[t.length - 1] - t[0]);
 }
 // A vector turned about x, in the plane about its normal.
