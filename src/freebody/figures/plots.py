@@ -89,7 +89,10 @@ def plot(what: Plot) -> Picture:
     peak = _peak(axes, what) if what.peaks and not what.log else None
     if peak is not None:
         body.append(peak.svg)
-    placed = named_curves(drawn, box, [peak.box] if peak else []) if what.names else []
+    taken = [peak.box] if peak else []
+    if what.now is not None:  # a name does not stand on the line of the instant
+        taken.append((float(axes.x(what.now)) - 1, box[1], float(axes.x(what.now)) + 1, box[3]))
+    placed = named_curves(drawn, box, taken) if what.names else []
     for label in placed:
         css = f"num halo f{what.colour(label.name)}"
         body.append(words(css, label.at, escape(label.name), "middle"))
@@ -306,7 +309,11 @@ def _peak(axes: PlotAxes, what: Plot) -> _Peak | None:
         return None
     at, text = complex(axes.x(what.t[k]), axes.y(curve[k])), significant(float(curve[k]))
     half, below = width(text, 11) / 2, -7 if curve[k] > 0 else 15
-    inside = min(max(at.real, axes.box[0] + half + 4), axes.box[2] - half)
+    left, right = axes.box[0] + half + 4, axes.box[2] - half
+    inside = min(max(at.real, left), right)
+    if what.now is not None and abs(inside - (now := float(axes.x(what.now)))) < half + 3:
+        beside = [now + side * (half + 5) for side in ((1, -1) if at.real >= now else (-1, 1))]
+        inside = next((x for x in beside if left <= x <= right), inside)
     y = at.imag + below
     beside = words("tick halo", complex(inside, y), text, "middle")
     mark = circle("peak f0", at, 3.4, f"{text} {what.unit} at {what.t[k]:.4g} s")

@@ -15,7 +15,7 @@ from freebody.motion.ranges import ranges
 from freebody.outputs.display import counted
 from freebody.report.page import rendered, source
 from freebody.report.page_figures import CaptionedDrawing, robot
-from freebody.report.page_tables import by_coordinate
+from freebody.report.printed_columns import by_coordinate
 from freebody.report.results import percent
 from freebody.report.tables import Head, ReportTable, WordsCell, table, typeset
 

@@ -1,0 +1,140 @@
+"""Columns of a report's tables: which variable of the data is printed in which unit, and tables
+whose rows are coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from freebody.report.tables import Cell, Head, PrintedNumber, ReportTable, WordsCell, table
+from freebody.report.variables import VARIABLES
+
+if TYPE_CHECKING:
+    from freebody.report.cycle_study import CycleStudy
+    from freebody.report.study import Study
+
+
+EVERYDAY = {
+    "rad": (180.0 / np.pi, "°"), "m": (1e3, "mm"),
+    "rad/s": (30.0 / np.pi, "rpm"), "m/s": (1e3, "mm/s"),
+}  # fmt: skip
+"""Units in which people speak of positions and speeds."""
+_BESIDE = "°", "rpm"
+"""Those that stand beside the unit of the SI: from m to mm it is a shift of the decimal point."""
+
+TableColumn = tuple[Head, Sequence[Cell]]
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A column of numbers in a table: a variable of the data along one dimension, with fixed labels
+    `at` of its other dimension.
+
+    A share is printed in percent, one of a limit with a bar.
+    """
+
+    title: str
+    variable: str
+    at: tuple[tuple[str, str], ...] = ()
+    scale: float = 1.0
+    unit: str | None = None
+    """The unit, where it is not that of the variable."""
+    tip: str | None = None
+    everyday: bool = False
+    """Whether the numbers are printed in degrees and rpm: a column beside that of the SI, blank
+    for what slides."""
+
+    def column(
+        self, study: Study | CycleStudy, book: xr.Dataset, dim: str, names: Sequence[str]
+    ) -> TableColumn:
+        """The head and the cells of the column, for the rows `names`."""
+        of = VARIABLES[self.variable]
+        values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
+        limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
+        units = units_of(study, dim, names, of.unit)
+        scales = [self.scale] * len(names)
+        if limited or share:
+            units, scales = ["%"] * len(names), [100.0] * len(names)
+        elif self.everyday:
+            scales, units = map(list, zip(*map(EVERYDAY.__getitem__, units), strict=True))
+        elif self.unit is not None:
+            units = [self.unit] * len(names)
+        same = len({x for x in units if not self.everyday or x in _BESIDE}) == 1
+        cells: list[Cell] = []
+        for x, name, unit, scale in zip(map(float, values), names, units, scales, strict=True):
+            if np.isinf(x) or (self.everyday and unit not in _BESIDE):
+                cells.append(WordsCell("" if self.everyday else "none", css="n none"))
+                continue
+            at, own = {dim: name, **dict(self.at)}, "" if same else unit
+            bar = x if limited else None
+            counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
+            cells.append(PrintedNumber(x, self.variable, at, own, scale, counted, bar))
+        repeated = of.meaning == self.title.lower()
+        tip = self.tip if self.tip is not None else "" if repeated or self.everyday else of.meaning
+        shown = next((x for x in units if x in _BESIDE), "") if self.everyday else units[0]
+        return Head(self.title, shown if same else "", tip), cells
+
+
+def units_of(study: Study | CycleStudy, dim: str, names: Sequence[str], unit: str) -> list[str]:
+    """The units of a variable's rows."""
+    turning, _, sliding = unit.removesuffix("|1").partition("|")
+    if not sliding:
+        return [unit if unit != "1" else ""] * len(names)
+    own = {body.joint.name: "m" if body.kind.slides else "rad" for body in study.model.bodies}
+    if dim == "coordinate":
+        own = dict(zip(study.model.velocity_names, study.summary["unit"].values, strict=True))
+    return [sliding if own.get(name) == "m" else turning for name in names]
+
+
+def words_column(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
+    return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
+
+
+def by_coordinate(
+    caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
+    more: Iterable[Printed] = (), book: xr.Dataset | None = None,
+) -> ReportTable:  # fmt: skip
+    """A table whose rows are coordinates, numbered as their bodies are in the drawings; columns
+    without a finite number are left out. titles: of the columns, with their variables; positions
+    and speeds in everyday units too. book: of the numbers, by default the summary."""
+    asked: list[Printed] = []
+    for title, variable in titles.items():
+        asked.append(Printed(title, variable))
+        units = units_of(study, "coordinate", names, VARIABLES[variable].unit)
+        if {EVERYDAY[x][1] for x in units if x in EVERYDAY} & {*_BESIDE}:
+            asked.append(Printed("", variable, everyday=True))
+    book = study.summary if book is None else book
+    shown = [
+        p.column(study, book, "coordinate", names)
+        for p in (*asked, *more)
+        if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
+    ]
+    return named_rows(caption, "Coordinate", names, shown, _numbers(study, names))
+
+
+def _numbers(study: Study | CycleStudy, names: Sequence[str]) -> Sequence[int] | None:
+    """The numbers in the drawings of the bodies that coordinates move; None where these are no help
+    to find a row: in loops, and where a joint has several coordinates."""
+    model = study.model
+    if model.loops or any(body.kind.nv > 1 for body in model.bodies):
+        return None
+    numbers = {body.joint.name: k for k, body in enumerate(model.bodies, 1)}
+    return [numbers[name] for name in names]
+
+
+def named_rows(
+    caption: str, title: str, names: Sequence[str], columns: Sequence[TableColumn],
+    numbers: Sequence[int | str] | None,
+) -> ReportTable:  # fmt: skip
+    """A table of named rows, numbered where there are numbers."""
+    first: list[Cell] = [WordsCell(name, strong=True) for name in names]
+    heads = [Head(title, number=False), *(head for head, _ in columns)]
+    listed = [first, *(cells for _, cells in columns)]
+    if numbers is not None:
+        heads.insert(0, Head(""))
+        listed.insert(0, [WordsCell(str(n), css="count") for n in numbers])
+    return table(caption, heads, listed)
