@@ -89,10 +89,7 @@ def plot(what: Plot) -> Picture:
     peak = _peak(axes, what) if what.peaks and not what.log else None
     if peak is not None:
         body.append(peak.svg)
-    taken = [peak.box] if peak else []
-    if what.now is not None:  # a name does not stand on the line of the instant
-        taken.append((float(axes.x(what.now)) - 1, box[1], float(axes.x(what.now)) + 1, box[3]))
-    placed = named_curves(drawn, box, taken) if what.names else []
+    placed = named_curves(drawn, box, [peak.box] if peak else []) if what.names else []
     for label in placed:
         css = f"num halo f{what.colour(label.name)}"
         body.append(words(css, label.at, escape(label.name), "middle"))

@@ -42,6 +42,7 @@ _CONTENTS = (
     ("verdict", "Verdict"), ("answer", "Drives"), ("motion", "Motion"), ("torques", "Torques"),
     ("power", "Power and energy"), ("gravity", "Gravity and payload"),
     ("kinematics", "Path of the tip"), ("reactions", "Joint reactions"), ("bodies", "Bodies"),
+    ("diagrams", "Free-body diagrams"),
     ("equations", "Equations"), ("checks", "Self-checks"), ("method", "Method"),
 )  # fmt: skip
 """Sections and what they are called in the contents."""

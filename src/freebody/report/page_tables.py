@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -230,14 +231,22 @@ def _carried(study: Study, loads: Sequence[str], names: Sequence[str]) -> Report
         what = "joints and loops that carry forces alone"
     elif "Drive" not in loads:
         what += " without a drive"
-    columns = [
-        Printed(*of).column(study, book, "joint", names)
-        for title in loads
-        for of in ((title, _LOADS[title]), ("at", f"{_LOADS[title]}_time"))
-    ]
+    columns: list[TableColumn] = []
+    for title in loads:
+        variable = _LOADS[title]
+        head, cells = Printed(title, variable).column(study, book, "joint", names)
+        least = NOISE * float(abs(book[variable]).max())
+        columns.append((head, [_unless_noise(cell, least) for cell in cells]))
+        columns.append(Printed("at", f"{variable}_time").column(study, book, "joint", names))
     bodies = {body.joint.name: k for k, body in enumerate(model.bodies, 1)}
     numbers = [bodies.get(name, "") for name in names]  # loops have none
     return named_rows(f"Peak loads on {what}", "Joint", names, columns, numbers)
+
+
+def _unless_noise(cell: Cell, least: float) -> Cell:
+    """The cell, as 0 where it is lost in the rounding of other joints' loads."""
+    lost = isinstance(cell, PrintedNumber) and abs(cell.value) <= least
+    return replace(cell, text="0") if lost else cell
 
 
 def checks(study: Study) -> ReportTable:
