@@ -20,6 +20,7 @@ from freebody.report.printed_columns import (
     Printed,
     TableColumn,
     by_coordinate,
+    effort_title,
     named_rows,
     units_of,
     words_column,
@@ -34,23 +35,20 @@ from freebody.report.tables import (
     shortened,
     typeset,
 )
-from freebody.report.variables import VARIABLES, dataset
+from freebody.report.variables import dataset
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
 
-_EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
 
 
 def drives(study: Study) -> ReportTable:
     """The table by which motors and gears are chosen."""
     names = study.model.driven_names
-    efforts = units_of(study, "coordinate", names, VARIABLES["peak_torque"].unit)
-    title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
     columns = {
-        title: "peak_torque",
+        effort_title(study, names): "peak_torque",
         "at": "peak_torque_time",
         "RMS": "rms_torque",
         "Peak / limit": "effort_fraction",

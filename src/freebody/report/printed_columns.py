@@ -94,6 +94,14 @@ def words_column(title: str, texts: Iterable[str], css: str = "") -> TableColumn
     return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
 
 
+def effort_title(study: Study | CycleStudy, names: Sequence[str]) -> str:
+    """The title of the column of peak torques, of forces where all drives slide."""
+    efforts = {*units_of(study, "coordinate", names, VARIABLES["peak_torque"].unit)}
+    if len(efforts) > 1:
+        return "Peak torque, force"
+    return "Peak force" if efforts == {"N"} else "Peak torque"
+
+
 def by_coordinate(
     caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
     more: Iterable[Printed] = (), book: xr.Dataset | None = None,
