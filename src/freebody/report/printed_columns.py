@@ -24,7 +24,7 @@ EVERYDAY = {
 }  # fmt: skip
 """Units in which people speak of positions and speeds."""
 _BESIDE = "°", "rpm"
-"""Those that stand beside the unit of the SI: from m to mm it is a shift of the decimal point."""
+"""Everyday units that stand beside those of the SI: from m to mm the decimal point is shifted."""
 
 TableColumn = tuple[Head, Sequence[Cell]]
 
@@ -54,29 +54,41 @@ class Printed:
         """The head and the cells of the column, for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
-        limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
-        units = units_of(study, dim, names, of.unit)
-        scales = [self.scale] * len(names)
-        if limited or share:
-            units, scales = ["%"] * len(names), [100.0] * len(names)
-        elif self.everyday:
-            scales, units = map(list, zip(*map(EVERYDAY.__getitem__, units), strict=True))
-        elif self.unit is not None:
-            units = [self.unit] * len(names)
-        same = len({x for x in units if not self.everyday or x in _BESIDE}) == 1
-        cells: list[Cell] = []
-        for x, name, unit, scale in zip(map(float, values), names, units, scales, strict=True):
-            if np.isinf(x) or (self.everyday and unit not in _BESIDE):
-                cells.append(WordsCell("" if self.everyday else "none", css="n none"))
-                continue
-            at, own = {dim: name, **dict(self.at)}, "" if same else unit
-            bar = x if limited else None
-            counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
-            cells.append(PrintedNumber(x, self.variable, at, own, scale, counted, bar))
+        units, scales = self._printed_in(units_of(study, dim, names, of.unit))
+        known = list(dict.fromkeys(unit for unit in units if unit is not None))
+        one = known[0] if len(known) == 1 else None
+        cells: list[Cell] = [
+            self._cell(float(x), {dim: name, **dict(self.at)}, unit, scale, unit == one)
+            for x, name, unit, scale in zip(values, names, units, scales, strict=True)
+        ]
         repeated = of.meaning == self.title.lower()
         tip = self.tip if self.tip is not None else "" if repeated or self.everyday else of.meaning
-        shown = next((x for x in units if x in _BESIDE), "") if self.everyday else units[0]
-        return Head(self.title, shown if same else "", tip), cells
+        return Head(self.title, one or "", tip), cells
+
+    @property
+    def _limited(self) -> bool:
+        return self.variable.endswith("_fraction")
+
+    def _printed_in(self, units: Sequence[str]) -> tuple[list[str | None], list[float]]:
+        """The unit in which each row is printed, None where it is left blank, and how many of it
+        are one of the data's."""
+        if self._limited or self.variable.endswith("_share"):
+            return ["%"] * len(units), [100.0] * len(units)
+        if self.everyday:
+            scales, spoken = zip(*map(EVERYDAY.__getitem__, units), strict=True)
+            return [unit if unit in _BESIDE else None for unit in spoken], list(scales)
+        own = units if self.unit is None else [self.unit] * len(units)
+        return list(own), [self.scale] * len(units)
+
+    def _cell(
+        self, x: float, at: dict[str, str], unit: str | None, scale: float, told: bool
+    ) -> Cell:
+        """The cell of a number; told: whether the head of the column has its unit."""
+        if unit is None or np.isinf(x):
+            return WordsCell("" if self.everyday else "none", css="n none")
+        counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
+        own, bar = "" if told else unit, x if self._limited else None
+        return PrintedNumber(x, self.variable, at, own, scale, counted, bar)
 
 
 def units_of(study: Study | CycleStudy, dim: str, names: Sequence[str], unit: str) -> list[str]:

@@ -49,7 +49,8 @@ TABLES = """return [...document.querySelectorAll('section .scroll')]
     [...e.querySelectorAll('tbody tr')].map(r => r.innerText)])"""
 HEADS = "return [...document.querySelectorAll('section h2,section h3')].map(e => e.textContent)"
 RANGES = """return [...document.querySelectorAll('#motion .scroll')].map(e => [
-  `${e.closest('details') !== null}`, [...e.querySelectorAll('tbody th')].map(x => x.textContent)])"""
+  `${e.closest('details') !== null}`,
+  [...e.querySelectorAll('tbody th')].map(x => x.textContent)])"""
 """Whether a table of what moves is folded, and the names of its rows."""
 ROOM = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
 
