@@ -24,6 +24,7 @@ from support.command import error, run
         ("2R", "wall", [-1, 0]),
         ("2R", "ceiling", [0, 1]),
         ("2R", "30 deg", [-0.5, -np.sqrt(0.75)]),
+        ("stewart", "ceiling", [0, 0, 1]),  # its platform is free but for the legs
     ],
 )
 def test_gravity_as_the_turned_base_feels_it(name, mounting, down, tmp_path):

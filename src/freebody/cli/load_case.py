@@ -88,8 +88,9 @@ def _mounted(model: Model, text: str) -> Model:
     import numpy as np
 
     from freebody.model.description import CHANGED, Notice
+    from freebody.model.loops import held_by_base
 
-    if any(body.parent < 0 and body.kind.frees(model.dim) for body in model.bodies):
+    if model.bodies and not held_by_base(model):
         raise FreebodyError(
             f"--mounting: the base of {model.name!r} is free, and mounted nowhere; its orientation "
             f"is in the positions."

@@ -17,6 +17,7 @@ from freebody.design.duty_cycle import Cycles, Segment, duty_cycles
 from freebody.design.known_wrenches import known_wrenches, undetermined
 from freebody.errors import FreebodyError
 from freebody.model.cut_fixed_joints import behind, fixed_frame, rides
+from freebody.model.loops import held_by_base
 from freebody.model.model import Model
 from freebody.model.tree import Attached
 from freebody.outputs.display import Tabled, TextTable
@@ -127,7 +128,7 @@ def floor_loads(model: Model, cycles: Cycles) -> LoadTable:
     FreebodyError
         A base that is free.
     """
-    if not _stands(model):
+    if len(held_by_base(model)) < len(model.bodies):
         raise FreebodyError(
             f"floor_loads: the base of {model.name!r} is free and stands on nothing."
         )
@@ -204,22 +205,6 @@ def _tabled(
 
 
 # ------------------------------------------------------------ the floor
-def _stands(model: Model) -> bool:
-    """Whether every body is held by the base, through joints that do not free it or loops."""
-    number = {frame.name: frame.body for frame in model.frames}
-    pairs = [
-        (k, body.parent)
-        for k, body in enumerate(model.bodies)
-        if not (body.parent < 0 and body.kind.frees(model.dim))
-    ]
-    pairs += [(number[a], number[b]) for a, b in (loop.frames for loop in model.loops)]
-    held, before = {-1}, 0
-    while len(held) > before:
-        before = len(held)
-        held |= {x for pair in pairs if not held.isdisjoint(pair) for x in pair}
-    return held.issuperset(range(len(model.bodies)))
-
-
 def _on_floor(model: Model, segment: Segment) -> Array:
     """Wrenches (T, 6 or 3): the opposite of what holds the bodies, the weight of the base, and what
     acts on it.

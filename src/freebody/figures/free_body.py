@@ -16,6 +16,7 @@ from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
 from freebody.figures.layers import forces
+from freebody.figures.marked_text import indexed
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
@@ -179,7 +180,8 @@ def _notes(
         notes.append(f"drawn for typical values: {len(missing)} parameters have none")
     elif labels != "names":
         notes.append(
-            f"|ΣF − {loads.mass_name} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"
+            f"|ΣF − {loads.mass_name} {indexed('a', str(n))}| = {force} N,\u2003"
+            f"|ΣM − {indexed('Ḣ', str(n))}| = {moment} N m"
         )
     return notes
 

@@ -21,7 +21,8 @@ from freebody.outputs.number_text import shortest
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 12.0, 40.0, 44.0
 _USEFUL = (1.0, 65.0)  # percent of the values between which the contours lie
 _LEVELS = 8
-_APART = 26.0  # pixels: so far numbers on contours keep from each other
+_APART = 20.0  # pixels: so far numbers on contours keep from each other, upwards
+_FLAT = 0.4  # of a distance sideways counts: numbers are wider than tall
 _EDGE = 16.0
 
 EndsOnPage = tuple[complex, complex]
@@ -139,7 +140,8 @@ def _number(
         middle = (a + b) / 2
         beside = min(middle.real - box[0], box[2] - middle.real) - half
         inside = min(middle.imag - box[1], box[3] - middle.imag, beside + _EDGE) - _EDGE
-        room = min((abs(middle - other) for other in placed), default=1e3)
+        away = (middle - other for other in placed)
+        room = min((abs(complex(_FLAT * x.real, x.imag)) for x in away), default=1e3)
         if inside > 0 and room > most:
             best, most = middle, room
     if best is None:

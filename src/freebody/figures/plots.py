@@ -306,7 +306,11 @@ def _peak(axes: PlotAxes, what: Plot) -> _Peak | None:
         return None
     at, text = complex(axes.x(what.t[k]), axes.y(curve[k])), significant(float(curve[k]))
     half, below = width(text, 11) / 2, -7 if curve[k] > 0 else 15
-    inside = min(max(at.real, axes.box[0] + half + 4), axes.box[2] - half)
+    left, right = axes.box[0] + half + 4, axes.box[2] - half
+    inside = min(max(at.real, left), right)
+    if what.now is not None and abs(inside - (now := float(axes.x(what.now)))) < half + 3:
+        beside = [now + side * (half + 5) for side in ((1, -1) if at.real >= now else (-1, 1))]
+        inside = next((x for x in beside if left <= x <= right), inside)
     y = at.imag + below
     beside = words("tick halo", complex(inside, y), text, "middle")
     mark = circle("peak f0", at, 3.4, f"{text} {what.unit} at {what.t[k]:.4g} s")

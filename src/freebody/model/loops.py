@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.parameters import Parameter, Quantity, quantity
 from freebody.model.struts import two_frames
 from freebody.spatial import unit
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
 
 
 def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Container[str]) -> Loop:
@@ -86,3 +90,20 @@ def checked_distance(loop: Loop) -> Quantity | None:
             f"together instead."
         )
     return distance
+
+
+def held_by_base(model: Model) -> frozenset[int]:
+    """The bodies (indices) that the base holds, through joints that do not leave them all their
+    motion, or through loops."""
+    number = {frame.name: frame.body for frame in model.frames}
+    pairs = [
+        (k, body.parent)
+        for k, body in enumerate(model.bodies)
+        if not (body.parent < 0 and body.kind.frees(model.dim))
+    ]
+    pairs += [(number[a], number[b]) for a, b in (loop.frames for loop in model.loops)]
+    held, before = {-1}, 0
+    while len(held) > before:
+        before = len(held)
+        held |= {x for pair in pairs if not held.isdisjoint(pair) for x in pair}
+    return frozenset(held - {-1})

@@ -61,6 +61,8 @@ class Card(Tabled):
     first: LimitUse | None
     """The limit of speed, torque, power, brake or bearing that the motion uses most, or exceeds
     most, or a range that it leaves; None where none can be told of."""
+    partly: bool = False
+    """Whether some limits are not judged, so that another may give out before."""
 
     @property
     def rows(self) -> tuple[CardRow, ...]:
@@ -76,7 +78,10 @@ class Card(Tabled):
             CardRow("gives out first", _UNKNOWN, "", "no limit can be told of")
             if first is None
             else CardRow(
-                "gives out first", f"{first.coordinate}, {first.quantity}", "", first.text
+                "gives out first, of what can be judged" if self.partly else "gives out first",
+                f"{first.coordinate}, {first.quantity}",
+                "",
+                first.text,
             ),
         )
 
@@ -124,6 +129,7 @@ def card(
         faster_quantity=limit.quantity if limit else "",
         faster_remark=_pace_words(judged),
         first=next((use for use in judged.uses if _gives_out(use)), None),
+        partly=judged.outcome == "not judged",
     )
 
 

@@ -15,7 +15,7 @@ from freebody.motion.ranges import ranges
 from freebody.outputs.display import counted
 from freebody.report.page import rendered, source
 from freebody.report.page_figures import CaptionedDrawing, robot
-from freebody.report.page_tables import by_coordinate
+from freebody.report.printed_columns import by_coordinate, effort_title
 from freebody.report.results import percent
 from freebody.report.tables import Head, ReportTable, WordsCell, table, typeset
 
@@ -60,8 +60,9 @@ def cycle_page(study: CycleStudy) -> str:
 
 def drives(study: CycleStudy) -> ReportTable:
     """The table by which motors and gears are chosen, over the whole cycle."""
+    names = study.model.driven_names
     columns = {
-        "Peak torque, force": "peak_torque",
+        effort_title(study, names): "peak_torque",
         "segment": "peak_torque_segment",
         "at": "peak_torque_time",
         "RMS": "rms_torque",
@@ -71,8 +72,7 @@ def drives(study: CycleStudy) -> ReportTable:
         "Speed / limit": "velocity_fraction",
         "Peak power": "peak_power",
     }
-    caption = "Required torque, speed and power of each drive"
-    return by_coordinate(caption, study, study.model.driven_names, columns)
+    return by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: CycleStudy) -> ReportTable:

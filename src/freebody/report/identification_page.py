@@ -230,25 +230,25 @@ def _shown_words(fit: LogFit | None) -> str:
     part = ""
     if fit.time[-1] - fit.time[0] > _SHOWN:
         part = f" The first {_SHOWN:.0f} s of {fit.time[-1] - fit.time[0]:.0f} s."
-    return f"{fit.source.removeprefix('read from ')}, {what}.{part}"
+    return f"The log {fit.source.removeprefix('read from ')}, {what}.{part}"
 
 
 def torques(
     found: Identification, fit: LogFit, units: dict[str, str]
 ) -> Iterator[CaptionedDrawing]:
-    """Plots of measured and predicted torques of each joint, and below of what is left."""
+    """Plots of measured and predicted torques of each joint, and behind them of what is left."""
     part = fit.time <= fit.time[0] + _SHOWN
+    both, left = [], []
     for j, x in enumerate(found.joints):
         measured, predicted = fit.measured[part, j], fit.predicted[part, j]
         if np.isnan(measured).all():
             continue
-        left = {"left": measured - predicted}
-        for title, curves in (
-            (x.joint, {"measured": measured, "predicted": predicted}),
-            (f"{x.joint}: what is left", left),
-        ):
-            named = len(curves) > 1
-            what = Plot(title, fit.time[part], curves, units[x.joint], peaks=False, names=named)
+        both.append((x.joint, {"measured": measured, "predicted": predicted}))
+        left.append((x.joint, {"left": measured - predicted}))
+    for plots, words in ((both, ""), (left, ": what is left")):
+        for joint, curves in plots:
+            unit, named = units[joint], len(curves) > 1
+            what = Plot(joint + words, fit.time[part], curves, unit, peaks=False, names=named)
             yield CaptionedDrawing(plot(what))
 
 

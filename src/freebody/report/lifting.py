@@ -3,7 +3,7 @@ plane of its worst instant."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,8 @@ _CELLS = 61
 """Cells of the map, along each side."""
 _SAMPLES = 400
 """Postures that tell how far the tip comes."""
+_NEARLY_ALL = 0.75
+"""Share of a side of the map: where less of it is reached, the map is made anew over that part."""
 _THIN = 1e-6
 """Ratio of the sides of an area that is no more than a line."""
 
@@ -91,27 +93,62 @@ def lifting_over_plane(study: Study) -> PlaneOfPayloads | None:
     plane = _plane(model, tip, q)
     if plane is None:
         return None
-    oriented, held = bool(form.task.angular), form.held
+    mass = _held(model, form, q, tip, plane)
+    reached = np.isfinite(mass)
+    if not reached.any():
+        return None
+    closer = _closer(plane, reached)
+    if closer is not None:
+        finer = _held(model, form, q, tip, closer)
+        if np.isfinite(finer).any():
+            plane, mass = closer, finer
+    words = "oriented as at the worst instant" if form.task.angular else "in any orientation"
+    if form.held is not None:
+        words += f", {model.position_names[form.held]} as at that instant"
+    return PlaneOfPayloads(plane, mass, words)
+
+
+def _held(model: Model, form: ClosedFormArm, q: Array, tip: str, plane: UprightPlane) -> Array:
+    """The largest payload (m, n), kg, at each point of a plane; NaN where there is none."""
     target = plane.points
-    if oriented:
+    if form.task.angular:
         pose = forward_kinematics(model, q, tip)
         target = np.broadcast_to(pose, (*target.shape[:-1], *pose.shape)).copy()
         target[..., : model.dim, model.dim] = plane.points
     found = inverse_kinematics(
-        model, target, tip, q0=q, redundancy=None if held is None else q[held]
+        model, target, tip, q0=q, redundancy=None if form.held is None else q[form.held]
     )
     good = found.valid & found.within_limits
     if not good.any():
-        return None
+        return np.full(plane.points.shape[:2], np.nan)
     mass = payload_map(model, np.nan_to_num(found.q), tip).mass
     best = np.where(good, mass, -1.0).max(axis=-1)
-    best[(best < 0) | ~np.isfinite(best)] = np.nan
-    if not np.isfinite(best).any():
+    return np.where((best < 0) | ~np.isfinite(best), np.nan, best)
+
+
+def _closer(plane: UprightPlane, reached: Array) -> UprightPlane | None:
+    """The plane over the part of it that is reached, with as many cells; None where that is nearly
+    all."""
+    ends = []
+    for values, axis in ((plane.side, 0), (plane.height, 1)):
+        there = np.flatnonzero(reached.any(axis=axis))
+        step = values[1] - values[0]
+        ends.append((values[there[0]] - step, values[there[-1]] + step))
+    shares = [
+        (high - low) / np.ptp(values)
+        for (low, high), values in zip(ends, (plane.side, plane.height), strict=True)
+    ]
+    if min(shares) > _NEARLY_ALL:
         return None
-    words = "oriented as at the worst instant" if oriented else "in any orientation"
-    if held is not None:
-        words += f", {model.position_names[held]} as at that instant"
-    return PlaneOfPayloads(plane, best, words)
+    side, height = (np.linspace(low, high, _CELLS) for low, high in ends)
+    across = side[:, None] - plane.side[0]
+    up = height[:, None, None] - plane.height[0]
+    return replace(
+        plane,
+        side=side,
+        height=height,
+        points=plane.points[0, 0] + across * plane.across + up * plane.up,
+    )
 
 
 def chart(study: Study, found: PlaneOfPayloads) -> PlaneMap:

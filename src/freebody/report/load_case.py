@@ -12,6 +12,7 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.model.description import CHANGED
 from freebody.model.inertia import decimal_sum
+from freebody.model.loops import held_by_base
 from freebody.model.model import Model
 from freebody.model.number_editors import TENSOR
 from freebody.model.parameters import Quantity
@@ -98,7 +99,7 @@ def carried_mass(model: Model) -> float:
 
 
 def _free(model: Model) -> bool:
-    return any(body.parent < 0 and body.kind.frees(model.dim) for body in model.bodies)
+    return bool(model.bodies) and not held_by_base(model)
 
 
 def load_case(

@@ -31,7 +31,7 @@ from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.moving_page import moving_page
 from freebody.report.summary import energy_text
-from freebody.report.tables import typeset
+from freebody.report.tables import opened, typeset
 
 if TYPE_CHECKING:
     from freebody.report.cycle_study import CycleStudy
@@ -40,10 +40,10 @@ if TYPE_CHECKING:
 
 _CONTENTS = (
     ("verdict", "Verdict"), ("answer", "Drives"), ("motion", "Motion"), ("torques", "Torques"),
-    ("power", "Power"), ("energy", "Energy"), ("gravity", "Gravity and payload"),
+    ("power", "Power and energy"), ("gravity", "Gravity and payload"),
     ("kinematics", "Path of the tip"), ("reactions", "Joint reactions"), ("bodies", "Bodies"),
-    ("equations", "Equations"), ("replay", "Replay"), ("checks", "Self-checks"),
-    ("method", "Method"),
+    ("diagrams", "Free-body diagrams"),
+    ("equations", "Equations"), ("checks", "Self-checks"), ("method", "Method"),
 )  # fmt: skip
 """Sections and what they are called in the contents."""
 
@@ -116,6 +116,7 @@ def _templates(package: str) -> jinja2.Environment:
     environment.filters["significant"] = significant
     environment.filters["svg"] = Markup
     environment.filters["typeset"] = typeset
+    environment.filters["opened"] = opened
     return environment
 
 
@@ -140,6 +141,7 @@ def _facts(study: Study) -> dict[str, Any]:
         "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "freedom": mobility(model, motion.q[0]).generic,
+        "drives": len(model.driven_names),
         "samples": len(motion.t),
         "parts": [words for words in figures.parts(study).values() if words != figures.TOTAL],
         "limited": bool(np.isfinite(ranges(model).effort).any()),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.errors import listed
 from freebody.figures.body_loads import BodyLoads
 from freebody.figures.free_body import PANEL, TALLEST, diagrams
 from freebody.figures.kinematic import robot_drawing
@@ -18,7 +19,8 @@ from freebody.figures.svg import Picture, picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.outputs.number_text import significant
 from freebody.report.lifting import chart, lifting_along, lifting_over_plane
-from freebody.report.page_tables import EVERYDAY
+from freebody.report.page_tables import carrying, following
+from freebody.report.printed_columns import EVERYDAY
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS
 
@@ -33,7 +35,9 @@ MEASURED = "measured"
 """The name of a measured curve."""
 _TOGETHER = 8  # curves that one picture holds
 _SEEN = 1e-4  # of the largest: a part that is smaller is no line of its own
+_FLAT = 1e-2  # of the largest: what is smaller cannot be told from zero beside it
 _NOISE = 1e-9  # of the largest torque: what is smaller is rounding
+_NAMED = 6  # joints that a caption names
 _HERO = (460.0, 400.0)  # of the robot, pixels
 
 
@@ -97,10 +101,26 @@ def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, 
 
 
 def motion(study: Study) -> Iterator[CaptionedDrawing]:
-    """Plots of positions, rates and accelerations over time."""
-    yield from _overlays(study, "q", "Position", "")
-    yield from _overlays(study, "qd", "Speed", "/s")
-    yield from _overlays(study, "qdd", "Acceleration", "/s²")
+    """Plots of positions, rates and accelerations over time, in a closed chain of what is
+    driven."""
+    there = set(following(study))
+    yield from _moved(study, lambda joint: joint not in there)
+
+
+def followers(study: Study) -> Iterator[CaptionedDrawing]:
+    """Plots of the motion of those joints of a closed chain that no drive moves."""
+    there = set(following(study))
+    yield from _moved(study, lambda joint: joint in there)
+
+
+def _moved(study: Study, shown: Callable[[str], bool]) -> Iterator[CaptionedDrawing]:
+    for variable, what, suffix in (
+        ("q", "Position", ""), ("qd", "Speed", "/s"), ("qdd", "Acceleration", "/s²"),
+    ):  # fmt: skip
+        names = map(str, study.data[variable].coords[_dim(study, variable)].values)
+        joints = _joints(study)
+        only = [name for name in names if shown(joints[name])]
+        yield from _overlays(study, variable, what, suffix, only=only)
 
 
 def torques(study: Study) -> Iterator[CaptionedDrawing]:
@@ -146,15 +166,19 @@ def powers(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def energies(study: Study) -> Iterator[CaptionedDrawing]:
-    """Plots of the energies, and of the error of their balance."""
+    """The plot of the energies."""
     data = study.data
     kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
     start = float(potential[0])
     curves = {"kinetic": kinetic, "potential": potential - start}
     curves["total"] = kinetic + potential - start
     yield _plot(study, "Energy relative to the start", curves, "J")
-    residual = data["energy_residual"].values
-    yield _single(study, "Residual of the energy balance", "residual", residual, "J")
+
+
+def residual(study: Study) -> Iterator[CaptionedDrawing]:
+    """The plot of the error of the energy balance."""
+    curve = study.data["energy_residual"].values
+    yield _single(study, "Residual of the energy balance", "residual", curve, "J")
 
 
 def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
@@ -205,16 +229,22 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def reactions(study: Study) -> Iterator[CaptionedDrawing]:
-    """Plots of the magnitude of each joint's reaction."""
+    """Plots of the magnitude of each joint's reaction, where it can be told from zero."""
     for variable, what, unit in (
         ("reaction_force", "Reaction force", "N"),
         ("reaction_moment", "Reaction moment", "N m"),
     ):
-        size = np.linalg.norm(study.data[variable].values, axis=-1)
-        names = study.model.reaction_names
-        for group in _groups(names):
+        names = carrying(study)
+        size = np.linalg.norm(study.data[variable].sel(joint=list(names)).values, axis=-1)
+        peaks = size.max(axis=0)
+        there = peaks > _FLAT * peaks.max(initial=0.0)
+        flat = [name for name, seen in zip(names, there, strict=True) if not seen]
+        drawn = [name for name in names if name not in flat]
+        words = f"Not drawn, below 1 % of the largest: {listed(flat, _NAMED)}." if flat else ""
+        for group in _groups(drawn):
             curves = {short: size[:, names.index(name)] for name, short in group}
-            yield _plot(study, what, curves, unit)
+            yield replace(_plot(study, what, curves, unit), caption=words)
+            words = ""
 
 
 def drift(study: Study) -> Iterator[CaptionedDrawing]:
@@ -240,18 +270,40 @@ def _overlays(
     study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit",
     only: Collection[str] | None = None,
 ) -> Iterator[CaptionedDrawing]:  # fmt: skip
-    """Plots of a variable for coordinates of one unit together, at most eight in each; only: those
-    that are shown, default all."""
-    array = study.data[variable]
-    dim = "position" if "position" in array.dims else "coordinate"
-    groups: dict[str, list[str]] = {}
+    """Plots of a variable for coordinates of one unit together, at most eight in each, those of a
+    joint of several coordinates by themselves; only: those that are shown, default all."""
+    array, dim = study.data[variable], _dim(study, variable)
+    joints, several = _joints(study), _several(study)
+    groups: dict[tuple[str, str], list[str]] = {}
     for name, unit in _units(study, array, dim, unit_name):
         if only is None or name in only:
-            groups.setdefault(unit, []).append(name)
-    for unit, names in groups.items():
+            owner = f" of {joints[name]}" if joints[name] in several else ""
+            groups.setdefault((owner, unit), []).append(name)
+    for (owner, unit), names in groups.items():
+        title = f"Quaternion{owner}" if unit == "1" else what + owner
         for group in _groups(names):
             curves = {short: array.sel({dim: name}).values for name, short in group}
-            yield _plot(study, what, curves, unit + suffix)
+            yield _plot(study, title, curves, unit + suffix)
+
+
+def _dim(study: Study, variable: str) -> str:
+    return "position" if "position" in study.data[variable].dims else "coordinate"
+
+
+def _joints(study: Study) -> dict[str, str]:
+    """The joint of each position and of each rate, by name."""
+    model = study.model
+    return {
+        name: body.joint.name
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        for names, entries in ((model.position_names, at.q), (model.velocity_names, at.v))
+        for name in (names[k] for k in entries)
+    }
+
+
+def _several(study: Study) -> set[str]:
+    """The joints of several coordinates, which are drawn by themselves."""
+    return {body.joint.name for body in study.model.bodies if body.kind.nv > 1}
 
 
 def _units(
@@ -307,5 +359,8 @@ def numbered(
     return {name: list(map(one, figures)) for name, figures in plots.items()}, found
 
 
-PLOTS = (kinematics, gravity, lifting, motion, torques, powers, energies, reactions, drift)
+PLOTS = (
+    kinematics, gravity, lifting, motion, followers, torques, powers, energies, reactions, drift,
+    residual,
+)  # fmt: skip
 """Figures of the page, by the names of their functions."""

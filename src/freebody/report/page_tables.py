@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from freebody.figures.body_loads import BodyLoads, Load
+from freebody.figures.body_loads import NOISE, BodyLoads, Load
 from freebody.figures.marked_text import html
 from freebody.figures.skeleton import mass_and_centre
 from freebody.model.description import Joint
 from freebody.motion.ranges import ranges as allowed_ranges
+from freebody.report.printed_columns import (
+    EVERYDAY,
+    Printed,
+    TableColumn,
+    by_coordinate,
+    effort_title,
+    named_rows,
+    units_of,
+    words_column,
+)
 from freebody.report.tables import (
     Cell,
     Head,
@@ -23,93 +33,22 @@ from freebody.report.tables import (
     WordsCell,
     alone,
     shortened,
-    table,
     typeset,
 )
-from freebody.report.variables import VARIABLES, dataset
+from freebody.report.variables import dataset
 
 if TYPE_CHECKING:
-    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
 
-_EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
-EVERYDAY = {
-    "rad": (180.0 / np.pi, "°"), "m": (1e3, "mm"),
-    "rad/s": (30.0 / np.pi, "rpm"), "m/s": (1e3, "mm/s"),
-}  # fmt: skip
-"""Units in which people speak of positions and speeds, beside those of the SI."""
-
-TableColumn = tuple[Head, Sequence[Cell]]
-
-
-@dataclass(frozen=True)
-class Printed:
-    """A column of numbers in a table: a variable of the data along one dimension, with fixed labels
-    `at` of its other dimension.
-
-    A share is printed in percent, one of a limit with a bar.
-    """
-
-    title: str
-    variable: str
-    at: tuple[tuple[str, str], ...] = ()
-    scale: float = 1.0
-    unit: str | None = None
-    """The unit, where it is not that of the variable."""
-    tip: str | None = None
-    everyday: bool = False
-    """Whether the numbers are printed in degrees, rpm and mm: a column beside that of the SI."""
-
-    def column(
-        self, study: Study | CycleStudy, book: xr.Dataset, dim: str, names: Sequence[str]
-    ) -> TableColumn:
-        """The head and the cells of the column, for the rows `names`."""
-        of = VARIABLES[self.variable]
-        values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
-        limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
-        units = _units(study, dim, names, of.unit)
-        scales = [self.scale] * len(names)
-        if limited or share:
-            units, scales = ["%"] * len(names), [100.0] * len(names)
-        elif self.everyday:
-            scales, units = map(list, zip(*map(EVERYDAY.__getitem__, units), strict=True))
-        elif self.unit is not None:
-            units = [self.unit] * len(names)
-        same = len(set(units)) == 1
-        cells: list[Cell] = []
-        for x, name, unit, scale in zip(map(float, values), names, units, scales, strict=True):
-            if np.isinf(x):
-                cells.append(WordsCell("" if self.everyday else "none", css="n none"))
-                continue
-            at, own = {dim: name, **dict(self.at)}, "" if same else unit
-            bar = x if limited else None
-            counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
-            cells.append(PrintedNumber(x, self.variable, at, own, scale, counted, bar))
-        repeated = of.meaning == self.title.lower()
-        tip = self.tip if self.tip is not None else "" if repeated or self.everyday else of.meaning
-        return Head(self.title, units[0] if same else "", tip), cells
-
-
-def _units(study: Study | CycleStudy, dim: str, names: Sequence[str], unit: str) -> list[str]:
-    """The units of a variable's rows."""
-    turning, _, sliding = unit.removesuffix("|1").partition("|")
-    if not sliding:
-        return [unit if unit != "1" else ""] * len(names)
-    own = {body.joint.name: "m" if body.kind.slides else "rad" for body in study.model.bodies}
-    if dim == "coordinate":
-        own = dict(zip(study.model.velocity_names, study.summary["unit"].values, strict=True))
-    return [sliding if own.get(name) == "m" else turning for name in names]
 
 
 def drives(study: Study) -> ReportTable:
     """The table by which motors and gears are chosen."""
     names = study.model.driven_names
-    efforts = _units(study, "coordinate", names, VARIABLES["peak_torque"].unit)
-    title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
     columns = {
-        title: "peak_torque",
+        effort_title(study, names): "peak_torque",
         "at": "peak_torque_time",
         "RMS": "rms_torque",
         "Peak / limit": "effort_fraction",
@@ -151,10 +90,36 @@ def measured(study: Study) -> ReportTable | None:
     return by_coordinate("Computed less measured torque", study, names, columns)
 
 
+def following(study: Study) -> tuple[str, ...]:
+    """The names of the joints of a closed chain that no drive moves; none of an open chain."""
+    model = study.model
+    driven = set(model.driven_names)
+    return tuple(
+        body.joint.name
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if model.loops and driven.isdisjoint(model.velocity_names[k] for k in at.v)
+    )
+
+
 def ranges(study: Study) -> ReportTable | None:
-    """The table of the range that each coordinate with a position moves through, and of its limits;
-    None where none has one."""
-    if not np.isfinite(study.summary["lowest"].values).any():
+    """The table of the range that each coordinate with a position moves through, in a closed chain
+    each that is driven, and of its limits; None where none has one."""
+    there = following(study)
+    names = [x for x in study.model.velocity_names if x not in there]
+    return _ranged(study, "Range of motion of each joint", names)
+
+
+def follower_ranges(study: Study) -> ReportTable | None:
+    """The table of the range of those joints of a closed chain that no drive moves; None where
+    there are none."""
+    return _ranged(study, "Range of motion of the other joints", following(study))
+
+
+def _ranged(study: Study, caption: str, candidates: Sequence[str]) -> ReportTable | None:
+    lowest = study.summary["lowest"]
+    known = set(map(str, lowest["coordinate"].values))
+    names = [x for x in candidates if x in known and np.isfinite(lowest.sel(coordinate=x))]
+    if not names:
         return None
     columns = {
         "Lowest": "lowest",
@@ -165,9 +130,7 @@ def ranges(study: Study) -> ReportTable | None:
         "Speed limit": "velocity_limit",
         "Effort limit": "effort_limit",
     }
-    lowest = study.summary["lowest"]
-    names = [x for x in study.model.velocity_names if np.isfinite(lowest.sel(coordinate=x))]
-    return by_coordinate("Range of motion of each joint", study, names, columns, book=whole(study))
+    return by_coordinate(caption, study, names, columns, book=whole(study))
 
 
 def bodies(study: Study) -> ReportTable:
@@ -181,13 +144,13 @@ def bodies(study: Study) -> ReportTable:
         for axis in _axes(study, "axis")
     ]
     columns = [
-        _words("Joint", [body.joint.name for body in model.bodies]),
-        _words("Kind", [_kind(body.joint) for body in model.bodies]),
-        _words("Parent body", parents),
+        words_column("Joint", [body.joint.name for body in model.bodies]),
+        words_column("Kind", [_kind(body.joint) for body in model.bodies]),
+        words_column("Parent body", parents),
         *(p.column(study, book, "body", names) for p in printed),
     ]
     numbers = range(1, len(names) + 1)
-    return _listed("Bodies: links that move as one rigid body", "Body", names, columns, numbers)
+    return named_rows("Bodies: links that move as one rigid body", "Body", names, columns, numbers)
 
 
 def gravity(study: Study) -> ReportTable | None:
@@ -215,36 +178,73 @@ def gravity_poses(study: Study) -> ReportTable | None:
         or any(b.kind.nq != b.kind.nv for b in study.model.bodies)
     ):
         return None
-    units = _units(study, "coordinate", study.model.velocity_names, "rad|m")
+    units = units_of(study, "coordinate", study.model.velocity_names, "rad|m")
     poses = []
     for name, short, unit in zip(positions, shortened(positions), units, strict=True):
-        scale, everyday = EVERYDAY[unit]
+        scale, everyday = EVERYDAY[unit] if unit == "rad" else (1.0, unit)
         at = (("position", name),)
         poses.append(Printed(short, "worst_gravity_pose", at, scale, everyday, f"{name} there"))
     caption = "Pose in which gravity loads it most"
     return by_coordinate(caption, study, names, {}, poses, whole(study))
 
 
-def reactions(study: Study) -> ReportTable:
-    """The table by which bearings are chosen."""
-    names, book = study.model.reaction_names, study.summary
-    loads = {
-        "Force": "peak_force",
-        "Axial": "peak_axial_force",
-        "Radial": "peak_radial_force",
-        "Tilting moment": "peak_tilting_moment",
-        "Guide moment": "peak_guide_moment",
-        "Drive": "peak_drive_load",
-    }
-    columns = [
-        Printed(*of).column(study, book, "joint", names)
-        for title, variable in loads.items()
-        if np.isfinite(book[variable].values).any()
-        for of in ((title, variable), ("at", f"{variable}_time"))
-    ]
-    bodies = len(study.model.bodies)  # behind their joints are the loops, which have no number
-    numbers = [k if k <= bodies else "" for k in range(1, len(names) + 1)]
-    return _listed("Peak loads on bearings and guides", "Joint", names, columns, numbers)
+def carrying(study: Study) -> tuple[str, ...]:
+    """The names of the joints and loops that transmit loads: of all but those that leave a body all
+    its motion."""
+    model = study.model
+    nothing = {body.joint.name for body in model.bodies if body.kind.frees(model.dim)}
+    return tuple(name for name in model.reaction_names if name not in nothing)
+
+
+def reactions(study: Study) -> list[ReportTable]:
+    """The tables by which bearings and guides are chosen, one for all joints that carry the same
+    kinds of loads."""
+    book = study.summary
+    carried: dict[tuple[str, ...], list[str]] = {}
+    for name in carrying(study):
+        peaks = {title: abs(float(book[x].sel(joint=name))) for title, x in _LOADS.items()}
+        finite = [title for title, peak in peaks.items() if np.isfinite(peak)]
+        if peaks["Drive"] <= NOISE * max(peaks[title] for title in finite):
+            finite.remove("Drive")  # nothing drives it
+        carried.setdefault(tuple(finite), []).append(name)
+    return [_carried(study, loads, names) for loads, names in carried.items()]
+
+
+_LOADS = {
+    "Force": "peak_force",
+    "Axial": "peak_axial_force",
+    "Radial": "peak_radial_force",
+    "Tilting moment": "peak_tilting_moment",
+    "Guide moment": "peak_guide_moment",
+    "Drive": "peak_drive_load",
+}
+"""Titles of the columns of loads on joints, with their variables."""
+
+
+def _carried(study: Study, loads: Sequence[str], names: Sequence[str]) -> ReportTable:
+    """The table of some kinds of loads on some joints."""
+    model, book = study.model, study.summary
+    what = "guides" if "Guide moment" in loads else "bearings"
+    if len(loads) == 1:
+        what = "joints and loops that carry forces alone"
+    elif "Drive" not in loads:
+        what += " without a drive"
+    columns: list[TableColumn] = []
+    for title in loads:
+        variable = _LOADS[title]
+        head, cells = Printed(title, variable).column(study, book, "joint", names)
+        least = NOISE * float(abs(book[variable]).max())
+        columns.append((head, [_unless_noise(cell, least) for cell in cells]))
+        columns.append(Printed("at", f"{variable}_time").column(study, book, "joint", names))
+    bodies = {body.joint.name: k for k, body in enumerate(model.bodies, 1)}
+    numbers = [bodies.get(name, "") for name in names]  # loops have none
+    return named_rows(f"Peak loads on {what}", "Joint", names, columns, numbers)
+
+
+def _unless_noise(cell: Cell, least: float) -> Cell:
+    """The cell, as 0 where it is lost in the rounding of other joints' loads."""
+    lost = isinstance(cell, PrintedNumber) and abs(cell.value) <= least
+    return replace(cell, text="0") if lost else cell
 
 
 def checks(study: Study) -> ReportTable:
@@ -256,8 +256,10 @@ def checks(study: Study) -> ReportTable:
     for title, variable in (("Value", "check_value"), ("Allowed", "check_bar")):
         head, cells = Printed(title, variable).column(study, book, "check", names)
         columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
-    columns.append(_words("What is compared", [typeset(c.text) for c in study.checks], "wide"))
-    return _listed("The same quantity computed in two ways", "Check", names, columns, None)
+    columns.append(
+        words_column("What is compared", [typeset(c.text) for c in study.checks], "wide")
+    )
+    return named_rows("The same quantity computed in two ways", "Check", names, columns, None)
 
 
 _COMPONENTS = (
@@ -274,12 +276,12 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
         Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
         for load in body.loads
     ]
-    columns = [_words("exerted by", [load.other for load in body.loads])]
+    columns = [words_column("exerted by", [load.other for load in body.loads])]
     for what, letter, unit, dim, tip in _COMPONENTS:
         for j, axis in enumerate(_axes(study, dim)):
             cells = [_component(study, body, load, what, {dim: axis}, j) for load in body.loads]
             columns.append((Head(f"{letter}{axis}", unit, tip), cells))
-    return _listed("", "Load", symbols, columns, None)
+    return named_rows("", "Load", symbols, columns, None)
 
 
 def _component(
@@ -302,60 +304,14 @@ def _kind(joint: Joint) -> str:
     return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
 
 
-def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
-    return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
-
-
-def by_coordinate(
-    caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
-    more: Iterable[Printed] = (), book: xr.Dataset | None = None,
-) -> ReportTable:  # fmt: skip
-    """A table whose rows are coordinates, numbered as their bodies are in the drawings; columns
-    without a finite number are left out. titles: of the columns, with their variables; positions
-    and speeds in everyday units too. book: of the numbers, by default the summary."""
-    asked: list[Printed] = []
-    for title, variable in titles.items():
-        asked.append(Printed(title, variable))
-        if VARIABLES[variable].unit.partition("|")[0] in EVERYDAY:
-            asked.append(Printed("", variable, everyday=True))
-    book = study.summary if book is None else book
-    shown = [
-        p.column(study, book, "coordinate", names)
-        for p in (*asked, *more)
-        if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
-    ]
-    return _listed(caption, "Coordinate", names, shown, _numbers(study, names))
-
-
-def _numbers(study: Study | CycleStudy, names: Sequence[str]) -> Sequence[int] | None:
-    """The numbers in the drawings of the bodies that coordinates move; None where these are no help
-    to find a row: in loops, and where a joint has several coordinates."""
-    model = study.model
-    if model.loops or any(body.kind.nv > 1 for body in model.bodies):
-        return None
-    numbers = {body.joint.name: k for k, body in enumerate(model.bodies, 1)}
-    return [numbers[name] for name in names]
-
-
-def _listed(
-    caption: str, title: str, names: Sequence[str], columns: Sequence[TableColumn],
-    numbers: Sequence[int | str] | None,
-) -> ReportTable:  # fmt: skip
-    """A table of named rows, numbered where there are numbers."""
-    first: list[Cell] = [WordsCell(name, strong=True) for name in names]
-    heads = [Head(title, number=False), *(head for head, _ in columns)]
-    listed = [first, *(cells for _, cells in columns)]
-    if numbers is not None:
-        heads.insert(0, Head(""))
-        listed.insert(0, [WordsCell(str(n), css="count") for n in numbers])
-    return table(caption, heads, listed)
-
-
 def _axes(study: Study, name: str) -> list[str]:
     return [str(axis) for axis in study.data[name].values]
 
 
-TABLES = (drives, measured, work, ranges, bodies, gravity, gravity_poses, reactions, checks)
+TABLES = (
+    drives, measured, work, ranges, follower_ranges, bodies, gravity, gravity_poses, reactions,
+    checks,
+)  # fmt: skip
 """Tables of the page, by the names of their functions."""
 
 

@@ -145,6 +145,15 @@ def alone(number: PrintedNumber, digits: int = 3) -> PrintedNumber:
     return replace(number, text=significant(number.value * number.scale, digits))
 
 
+def opened(text: str, most: int = 480) -> tuple[str, str]:
+    """A text in two parts, the second of which a page folds: up to its last sentence or clause
+    within `most` letters, and what goes on from there; all of it and "" where it is not longer."""
+    if len(text) <= most:
+        return text, ""
+    end = max(text.rfind(mark, 0, most) for mark in (". ", "; ")) + 1
+    return (text[:end], text[end:].lstrip()) if end else (text, "")
+
+
 def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
     """A cell printed with a given number of decimals; with digits of its own where that would give
     0, and as 0 where it is lost in `noise`."""

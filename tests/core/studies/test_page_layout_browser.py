@@ -47,6 +47,11 @@ TABLES = """return [...document.querySelectorAll('section .scroll')]
   .filter(e => !e.closest('details') && e.querySelector('caption')).map(e => [
     e.matches('.whole'), e.querySelector('thead').innerText,
     [...e.querySelectorAll('tbody tr')].map(r => r.innerText)])"""
+HEADS = "return [...document.querySelectorAll('section h2,section h3')].map(e => e.textContent)"
+RANGES = """return [...document.querySelectorAll('#motion .scroll')].map(e => [
+  `${e.closest('details') !== null}`,
+  [...e.querySelectorAll('tbody th')].map(x => x.textContent)])"""
+"""Whether a table of what moves is folded, and the names of its rows."""
 ROOM = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
 
 
@@ -119,6 +124,27 @@ def test_no_table_is_split_from_its_head_on_paper(sheets, path, chromium):
         else:
             for row in rows:
                 assert any(squeezed(row) in sheets[k][0] for k in places), (head, row)
+
+
+def test_no_heading_ends_a_sheet(sheets, path, chromium):
+    heads = chromium.execute_script(HEADS)
+    assert len(heads) > 8
+    for text, _ in sheets:
+        above = text.rstrip("0123456789")  # the number of the sheet
+        assert not any(above.endswith(squeezed(head)) for head in heads), above[-60:]
+
+
+def test_of_a_closed_chain_the_drives_stand_in_front(path, chromium):
+    """The rows of what moves are those of the drives, the others folded; all loads have a value."""
+    chromium.get(path.as_uri())
+    rows = dict(chromium.execute_script(RANGES))
+    model = fb.load(chromium.execute_script("return document.querySelector('h1').textContent"))
+    folded = {"true": sorted({*model.velocity_names} - {*model.driven_names})}
+    assert rows == {"false": list(model.driven_names)} | (folded if model.loops else {})
+    loads = chromium.execute_script("return document.getElementById('reactions').innerText")
+    assert "–" not in loads.partition("Peak loads on")[2]
+    for name in model.reaction_names:
+        assert name in loads
 
 
 def test_no_sheet_is_left_half_empty(sheets):

@@ -23,11 +23,11 @@ from freebody.expressions.typesetting import literal
 from freebody.figures.curve_names import named_curves
 from freebody.figures.marked_text import html, marked, plain, runs, width
 from freebody.figures.plane_map import PlaneMap, contour, plane_map
-from freebody.figures.plots import Plot, plot
+from freebody.figures.plots import Plot, axes_of, plot
 from freebody.outputs.display import TextTable, counted
 from freebody.outputs.number_text import compared, fixed, rounded_up, shortest, significant
 from freebody.report.results import LimitUse, percent
-from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
+from freebody.report.tables import PrintedNumber, WordsCell, aligned, opened, typeset
 from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 from support.hostile import NAMES, balanced
 
@@ -181,6 +181,33 @@ def test_names_of_parameters_are_legible_formulas(name: str):
     for drawing in fb.kinematic_diagram(model).drawings:
         ET.fromstring(fb.kinematic_diagram(model).svg)
         assert drawing
+
+
+def test_a_long_reason_is_folded_and_whole():
+    """At the end of a sentence or clause; a text without one is not cut."""
+    text = "; ".join(f"link{k} has no mass" for k in range(60)) + ". It is not judged."
+    first, rest = opened(text, 200)
+    assert len(first) <= 200
+    assert f"{first} {rest}" == text
+    assert first.endswith(";")
+    assert opened("a" * 500, 200) == ("a" * 500, "")
+    assert opened(text, len(text)) == (text, "")
+
+
+@pytest.mark.parametrize("peak", [0.3, 0.5, 0.55, 0.98])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_value_of_a_peak_stands_beside_the_line_of_an_instant(peak: float, sign: float):
+    """The cursor of a page begins there, and would strike it through."""
+    t = np.linspace(0.0, 1.0, 101)
+    curve = sign * (20.0 - 30.0 * (t - peak) ** 2)
+    what = Plot("Torque", t, {"total": curve}, "N m", now=0.5, names=False)
+    body = ET.fromstring(f"<g>{plot(what).body}</g>")
+    (text,) = (x for x in body.iter("text") if x.get("class") == "tick halo")
+    left, _, right, _ = axes_of(what).box
+    at, half = float(text.get("x", "nan")), width(text.text or "", 11) / 2
+    assert left <= at - half
+    assert at + half <= right + 1.0
+    assert abs(at - (left + right) / 2) > half
 
 
 @pytest.mark.parametrize("name", ["j_{}", "j_{1}", "a_b", "j_{", "_{<&>}"])

@@ -240,7 +240,9 @@ def test_the_default_motion_is_slowed_until_it_keeps_the_limits():
 def test_a_pace_is_not_promised_where_limits_are_not_given():
     limits = [fb.Limits(-1, 1, velocity=3.0)]
     model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
-    text = fb.study(model, swing(model)).verdict.text
+    study = fb.study(model, swing(model))
+    text = study.verdict.text
+    assert study.card.rows[2].label == "gives out first, of what can be judged"
     assert text.startswith(
         "Not judged: the description lacks an effort limit of joint1. The limits that are given "
         "are kept; "
