@@ -27,7 +27,7 @@ from freebody.errors import FreebodyError, ShapeError, listed
 from freebody.identification.columns import Columns, friction_laws, regression_columns
 from freebody.identification.filters import SETTLES
 from freebody.identification.fourier import FourierMotions, FourierStates
-from freebody.identification.regression import REST
+from freebody.identification.log_equations import REST
 from freebody.kernels.own_functions import compile as compiled
 from freebody.model.doubt_rules.aspects import MASSES
 from freebody.model.doubts import doubts_on, doubts_used

@@ -35,16 +35,11 @@ from freebody.identification.identification import (
     JointFit,
     is_known,
 )
+from freebody.identification.log_equations import LogEquations, equations
 from freebody.identification.logs.log import Log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
-from freebody.identification.regression import (
-    LogEquations,
-    Regressed,
-    equations,
-    regressed,
-    suited,
-)
+from freebody.identification.regression import Regressed, regressed, suited
 from freebody.identification.torque_scale import TorqueScale, scale_by_load
 from freebody.identification.verdict import (
     QUANTILE,

@@ -19,9 +19,11 @@ from freebody.identification.consistency import (
     nearest_physical,
     pseudo_inertia_basis,
 )
+from freebody.identification.log_equations import LogEquations
 from freebody.identification.priors import Prior
-from freebody.identification.regression import LogEquations, Regressed
+from freebody.identification.regression import Regressed
 from freebody.identification.torque_scale import TorqueScale
+from freebody.model.changes import with_drive
 from freebody.model.doubts import ESTIMATED, Doubt
 from freebody.model.drives import LAWS
 from freebody.model.inertial_parameters import body_parameters
@@ -86,7 +88,7 @@ def fit_physical(
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
         at = _products(columns, fitted.x) / [1.0, scale]
-        fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
+        fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base, fitted)
     combine, _ = _combine(columns, _products(columns, fitted.x))
     values = combine @ fitted.x
     for (loss, rotor), row in zip(_products(columns, fitted.x), columns.rows, strict=True):
@@ -232,6 +234,6 @@ def robot(model: Model, columns: Columns, fit: PhysicalFit, doubts: Sequence[str
         for x, strength in zip(columns.friction, friction, strict=True):
             numbers[x.law.strength] = float(strength)
             numbers |= x.numbers
-        made = made.with_drive(joint, **numbers)
+        made = with_drive(made, joint, numbers)
     notices = (*made.notices, *(Doubt(ESTIMATED, text) for text in doubts))
     return replace(made, notices=notices)
