@@ -12,6 +12,7 @@ does, they hold.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -95,24 +96,33 @@ def with_any_friction(found: LogEquations, first: Regressed) -> BaseEstimate:
     return BaseEstimate(values, covariance[:b, :b], untold[:b], np.array(accident))
 
 
+def spline_knots(rates: Sequence[Array]) -> Array:
+    """Knots (knots, n) of each joint's spline, where it moves, from its rates."""
+    return np.array([np.quantile(np.abs(x), _KNOTS) for x in rates]).T
+
+
+def spline_columns(qd: Array, sign: Array, knots: Array) -> list[Array]:
+    """Columns (samples, n), from rates and their signs, that add up to any odd function of each
+    joint's rate, and to its size: the size, the sign, and this times the size up to each knot."""
+    size = np.abs(qd)
+    return [size, sign, *(sign * np.minimum(size, k) for k in knots)]
+
+
 def _splines(found: LogEquations) -> list[Array]:
-    """Filtered columns of each joint's rows that add up to any odd function of its rate,
-    and to its size."""
-    n, count = len(found.rows), 2 + len(_KNOTS)
-    knots = np.array([np.quantile(np.abs(rows.rate), _KNOTS) for rows in found.rows]).T
+    """The filtered columns of the spline for each joint's rows."""
+    n, knots = len(found.rows), spline_knots([rows.rate for rows in found.rows])
     parts = [_spline(found, p, knots) for p in found.prepared]
-    whole = np.concatenate(parts).reshape(-1, count, n)
+    whole = np.concatenate(parts)
+    whole = whole.reshape(len(whole), -1, n)
     return [whole[rows.places, :, j] for j, rows in enumerate(found.rows)]
 
 
 def _spline(found: LogEquations, p: Prepared, knots: Array) -> Array:
-    """Columns (samples, count n) of a log: the size of rates, their sign, and this times their
-    size up to each of the knots (count - 2, n)."""
+    """The filtered columns (samples, count n) of a log."""
 
     def samples(part: slice) -> Array:
         qd = p.states.qd[part]
-        size, sign = np.abs(qd), found.columns.sign(qd)
-        return np.concatenate([size, sign, *(sign * np.minimum(size, k) for k in knots)], axis=1)
+        return np.concatenate(spline_columns(qd, found.columns.sign(qd), knots), axis=1)
 
     filtered = np.empty((len(p.places), knots.shape[1] * (2 + len(knots))))
     for where, x in p.filter.filtered(p.places, samples):

@@ -15,7 +15,6 @@ from freebody.errors import FreebodyError
 from freebody.identification.excitation.fourier import FourierMotions
 from freebody.identification.excitation.information import (
     MotionInformation,
-    inverse_information,
     noise_of_torques,
 )
 from freebody.identification.excitation.motion_limits import MotionLimits, slowed, walls_of
@@ -40,9 +39,10 @@ _HARMONICS = 4, 15
 class Excitation(Tabled, ByValue):
     """A motion for identification, and how well its log will tell each parameter.
 
-    deviations: (parameters,) standard deviations expected of base parameters and then of friction,
-    by `names`; kg, kg m, kg m², N m and so on. noise: (nv,) standard deviation of the torques'
-    noise, sample by sample at `rate` Hz, N m or N, in proportion to which they are.
+    deviations: (parameters,) standard deviations expected of what `fb.identify` finds, of base
+    parameters and then of friction, by `names`; kg, kg m, kg m², N m and so on. noise: (nv,)
+    standard deviation of the torques' noise, sample by sample at `rate` Hz, N m or N, in proportion
+    to which they are.
     """
 
     motion: Motion
@@ -181,7 +181,7 @@ def _with_accuracy(
     settled = (t > SETTLES) & (t < motions.duration - SETTLES)
     used = settled[:, None] & (np.abs(states.qd) > REST)
     try:
-        inverse = inverse_information(information.matrix(states, used))
+        deviations = information.deviations(states, used)
     except np.linalg.LinAlgError:
         raise FreebodyError(
             "excitation: the motion found leaves some parameter untold; give a longer duration "
@@ -195,7 +195,6 @@ def _with_accuracy(
         notices=limits.planning.allowed.notices,
         doubts=doubts_used(limits.model, *limits.planning.rests),
     )  # fmt: skip
-    deviations = np.sqrt(np.diag(inverse))
     return Excitation(
         motion, information.names, deviations, information.base, information.noise, rate, notices
     )

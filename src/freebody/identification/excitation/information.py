@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.identification.any_friction import spline_columns, spline_knots
 from freebody.identification.columns import Columns, friction_laws, regression_columns
 from freebody.identification.excitation.fourier import FourierStates
+from freebody.identification.first_gains import inverse_products
 from freebody.model.model import Model
 from freebody.trees.base_parameters import independent
 from freebody.trees.public_calls import JointVector, finite_vector
@@ -86,12 +88,30 @@ class MotionInformation:
         return found
 
     def matrix(self, states: FourierStates, used: NDArray[np.bool_] | None = None) -> Array:
-        """M of the samples (n, nv) of states, those of each joint that are used (n, nv)."""
+        """M of the samples (n, nv) of states, those of each joint that are used (n, nv), friction
+        following the laws."""
         M = np.zeros((len(self.told), len(self.told)))
         for j, (x, places) in enumerate(self.entries(states)):
             x = x if used is None else x[used[:, j]]
             M[np.ix_(places, places)] += x.T @ x
         return M
+
+    def deviations(self, states: FourierStates, used: NDArray[np.bool_]) -> Array:
+        """Standard deviations with which `fb.identify` finds what counts from the samples (n, nv)
+        of each joint that are used: base parameters whatever the friction, friction by the laws.
+        Raises LinAlgError where some are not told."""
+        qd, sign = states.qd, self.columns.sign(states.qd)
+        n, M = qd.shape[1], np.zeros((self.base, self.base))
+        knots = spline_knots([qd[used[:, j], j] for j in range(n)])
+        spline = np.stack(spline_columns(qd, sign, knots), axis=1)
+        for j, (x, places) in enumerate(self.entries(states)):
+            x, kept = x[used[:, j]], places < self.base
+            local = np.concatenate([x[:, ~kept], spline[used[:, j], :, j]], axis=1)
+            own, across = x[:, kept], local.T @ x[:, kept]
+            own = own.T @ own - across.T @ inverse_products(local.T @ local) @ across
+            M[np.ix_(places[kept], places[kept])] += own
+        by_laws = np.diag(_inverse(self.matrix(states, used)))[self.base :]
+        return np.sqrt(np.concatenate([np.diag(_inverse(M)), by_laws]))
 
     def by_slopes(self, states: FourierStates, S: Array) -> Array:
         """tr(W Y S Yᵀ) (...) of each state, whose slope is that of the criterion with this S."""
@@ -106,7 +126,7 @@ def criterion(M: Array, base: int, worst: bool) -> tuple[float, Array]:
     size = len(M)
     d = np.sqrt(np.diag(M))
     logs = float(np.linalg.slogdet(M / np.outer(d, d))[1] + 2.0 * np.log(d).sum()) / size
-    inverse = inverse_information(M)
+    inverse = _inverse(M)
     if not worst:
         return -logs, inverse / size
     variances = np.diag(inverse)[:base]
@@ -118,7 +138,7 @@ def criterion(M: Array, base: int, worst: bool) -> tuple[float, Array]:
     return value - _DETERMINANT * logs, (inverse * D) @ inverse + _DETERMINANT / size * inverse
 
 
-def inverse_information(M: Array) -> Array:
+def _inverse(M: Array) -> Array:
     """M⁻¹ of an information matrix, scaled to a unit diagonal meanwhile. Raises LinAlgError where
     it is not positive definite."""
     d = np.sqrt(np.diag(M))
