@@ -58,7 +58,7 @@ def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held:
         return f"{said}; the scale of torques and masses is not told."
     if not is_known(scale.factors):
         return f"{said}; the scale of torques and masses is told to {scale.percent} alone."
-    if held.source == "geometry":
+    if held.source in ("geometry", "nothing"):
         return f"{said}; base parameters and torques are the logs', single masses are not told."
     source = "the model's" if held.source == "model" else "the given ones"
     return f"{said}; single masses are near {source}, which logs do not tell."
@@ -93,10 +93,11 @@ def mass_doubts(held: Prior, scale: ToldScale) -> list[str]:
         factor = f", and all are right up to one factor, told to {scale.percent}"
     if held.source == "model":
         return [f"the model is identified from currents{factor}."] if factor else []
-    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
+    what = "centres and inertias" if held.source == "masses" else "masses, centres and inertias"
+    whence = "any that give them" if held.source == "nothing" else "estimated from its geometry"
     return [
         f"the model is identified from logs: torques of its drives follow from them, but single "
-        f"{what} of links are estimated from its geometry{factor}."
+        f"{what} of links are {whence}{factor}."
     ]
 
 
@@ -128,6 +129,11 @@ def notices_of(
         found.append(
             "No masses were given: single masses, centres and inertias in the model are guesses "
             "from its geometry that agree with the base parameters; torques do not depend on them."
+        )
+    if held.source == "nothing":
+        found.append(
+            "Single masses, centres and inertias in the model are any that bodies can have and "
+            "that give the base parameters; nothing that was held beforehand chose them."
         )
     wrong = [x.joint for x in joints if not x.law_fits]
     if wrong:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.stats import chi2
 
 import freebody as fb
@@ -85,6 +86,59 @@ def test_limits_are_kept(found: fb.Excitation) -> None:
     assert motion.t[-1] == 10.0
     assert not motion.qd[[0, -1]].any()
     assert np.abs(motion.qdd[[0, -1]]).max() < 1e-9
+
+
+def tracked(model: fb.Model, motion: fb.Motion, end: float, hold: float = 0.005) -> Any:
+    """Simulation of a motion up to a time, by computed torque that is held for `hold` seconds."""
+    place = CubicHermiteSpline(motion.t, motion.q, motion.qd)
+    rate, acceleration = place.derivative(), CubicSpline(motion.t, motion.qdd)
+    law = fb.kernel(model, "computed_torque")
+    kp, kd = np.full(model.nv, 400.0), np.full(model.nv, 40.0)
+
+    def control(t: float, q: Any, qd: Any) -> Any:
+        return law(q, qd, place(t), rate(t), acceleration(t + hold / 2), kp, kd)
+
+    return fb.simulate(
+        model, motion.q[0], motion.qd[0], motion.t[motion.t <= end], control,
+        sample_time=hold, tolerance=1e-6, record=("q", "qd", "tau"),
+    )  # fmt: skip
+
+
+def kept(run: Any, model: fb.Model, velocity: Any, torque: Any) -> bool:
+    """Whether a simulation is within limits, rates and torques to half a percent, since a held
+    torque lags behind."""
+    q, allowed = run.q.values, model.limits
+    return bool(
+        (q > allowed.lower).all()
+        and (q < allowed.upper).all()
+        and (np.abs(run.qd.values) < 1.005 * np.asarray(velocity)).all()
+        and (np.abs(run.tau.values) < 1.005 * np.asarray(torque)).all()
+    )
+
+
+def test_limits_are_kept_by_a_controller_that_tracks_the_motion(found: fb.Excitation) -> None:
+    run = tracked(ARM, found.motion, 2.0)
+
+    assert np.abs(run.q.values - found.motion.q[: len(run.time)]).max() < 2e-3
+    assert kept(run, ARM, 2.0, [60.0, 20.0])
+    used = np.abs(run.qd.values).max(axis=0)
+    assert not kept(run, ARM, 0.9 * used, [60.0, 20.0])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("robot", ["2R", "ur5e"])
+def test_limits_are_kept_all_along_the_motion(robot: str, found: fb.Excitation) -> None:
+    model, motion, torque = ARM, found.motion, np.array([60.0, 20.0])
+    if robot == "ur5e":
+        model = fb.load("ur5e")
+        torque = np.minimum(model.limits.effort, 100.0)
+        motion = fb.excitation(
+            model, 20.0, velocity=2.0, acceleration=6.0, noise=1.0, torque=torque
+        ).motion
+
+    run = tracked(model, motion, motion.t[-1])
+
+    assert kept(run, model, 2.0, torque)
 
 
 def test_rates_and_accelerations_are_those_of_the_positions(found: fb.Excitation) -> None:
