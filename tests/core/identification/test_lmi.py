@@ -61,7 +61,8 @@ def test_no_physical_robot_is_nearer_and_the_prior_leads_there(seed):
     for body in nearest.model.bodies:
         assert body.inertias[0].inertia.fault() is None
         drive = body.joint.drive
-        assert min(drive.viscous, drive.coulomb, drive.rotor) >= -1e-9
+        numbers = (drive.viscous, drive.coulomb, drive.rotor)
+        assert all(float(x) >= 0.0 for x in numbers)  # type: ignore[arg-type]
     q = rng.uniform(-3.0, 3.0, (50, 3))
     assert np.all(np.linalg.eigvalsh(fb.mass_matrix(nearest.model, q)) > 0.0)
     assert any("nothing that was held beforehand chose them" in x for x in nearest.notices)
