@@ -1,5 +1,5 @@
-"""What a motion tells of a robot's parameters: its information, and the criteria that motions are
-compared by.
+"""The information of a motion on a robot's parameters, and the criteria that motions are compared
+by.
 
 With noise of known size in the torques, the least variance with which parameters can be found from
 a motion is the inverse of its information M = Σ Yᵀ W Y (Y the columns of the regression, W the
@@ -50,8 +50,8 @@ class MotionInformation:
 
     @staticmethod
     def of(model: Model, friction: Sequence[str], noise: Array, slow: bool) -> MotionInformation:
-        """What motions can tell of a robot with these laws of friction; slow ones gravity and
-        friction alone."""
+        """The information that motions give of a robot with these laws of friction; slow ones tell
+        gravity and friction alone."""
         columns = replace(regression_columns(model, friction_laws(friction)), smooth=_SMOOTH)
         if columns.by_load:
             raise FreebodyError(

@@ -1,5 +1,5 @@
-"""What a motion for identification may use: positions, rates, accelerations and torques within
-limits, and the origins of frames within a box."""
+"""Limits of a motion for identification: of positions, rates, accelerations and torques, and a box
+for the origins of frames."""
 
 from __future__ import annotations
 
