@@ -114,7 +114,10 @@ AREAS = (
     ),
     Area(
         "identification",
-        ("identification/*.py", "identification/logs/*.py", "identification/calibration/*.py"),
+        (
+            "identification/*.py", "identification/logs/*.py", "identification/calibration/*.py",
+            "identification/excitation/*.py",
+        ),
         (
             "logs",
             "broken_logs",

@@ -162,7 +162,7 @@ _PLACES = {
     "freebody.identification.calibration.calibration": ("Calibration",),
     "freebody.identification.calibration.poses": ("Poses",),
     "freebody.identification.calibration.read_poses": ("read_poses",),
-    "freebody.identification.excitation": ("Excitation", "excitation"),
+    "freebody.identification.excitation.excitation": ("Excitation", "excitation"),
     "freebody.design.data_sheets": ("mean_load",),
     "freebody.design.parts": ("Motor", "Gear", "Bearing"),
     "freebody.design.catalogue": ("PartCatalogue", "catalogue"),

@@ -57,8 +57,8 @@ from freebody.identification.calibration.poses import Poses as Poses
 from freebody.identification.calibration.read_poses import read_poses as read_poses
 from freebody.identification.collisions import DetectedCollisions as DetectedCollisions
 from freebody.identification.collisions import detect_collisions as detect_collisions
-from freebody.identification.excitation import Excitation as Excitation
-from freebody.identification.excitation import excitation as excitation
+from freebody.identification.excitation.excitation import Excitation as Excitation
+from freebody.identification.excitation.excitation import excitation as excitation
 from freebody.identification.identification import Identification as Identification
 from freebody.identification.identified_payload import IdentifiedPayload as IdentifiedPayload
 from freebody.identification.identify import identify as identify

@@ -74,7 +74,7 @@ KNOWN = {
     ("ways_out/fmus.py", "ElementTree"): "writes XML, and reads none",
     ("formats/writing/xml.py", "ElementTree"): "writes XML, and reads none",
     ("identification/columns.py", "compile"): "formulas of scalars, by fb.compile; no text",
-    ("identification/excitation.py", "compile"): "formulas of scalars, by fb.compile; no text",
+    ("identification/excitation/motion_limits.py", "compile"): "formulas of our own, by fb.compile",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (

@@ -21,9 +21,9 @@ from freebody.arrays import Array, above_zero
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.identification.given_logs import require_joints, with_torques
+from freebody.identification.log_equations import REST
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
-from freebody.identification.regression import REST
 from freebody.identification.reported import Reported
 from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.doubts import capital, doubts_on

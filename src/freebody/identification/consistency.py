@@ -167,16 +167,24 @@ class Fitted:
 
 
 def nearest_physical(
-    estimate: Array, information: Array, combine: Array, physical: Physical, allowed: float
+    estimate: Array,
+    information: Array,
+    combine: Array,
+    physical: Physical,
+    allowed: float,
+    near: Fitted | None = None,
 ) -> Fitted:
     """Physical unknowns with the greatest weight of the prior that the data's noise allows.
 
     estimate: (b,) of regression, with information (b, b), the inverse of its covariance. combine:
     (b, x), of which physical unknowns the estimated are made. allowed: chi2 that fits the data as
-    well as the estimate does, within its noise; it is added to what physics alone cost.
+    well as the estimate does, within its noise; it is added to what physics alone cost. near: the
+    solution of nearly the same problem, from which less is to be done.
     """
     x, found = physical.start(), []
     weight = _first_weight(estimate, information, combine, x)
+    if near is not None:
+        x, weight = near.x, min(weight, near.weight * _FALL)
     while weight >= _WEAKEST:
         found.append(_newton(estimate, information, combine, physical, weight, x))
         x, weight = found[-1].x, weight / _FALL

@@ -12,17 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfilt
+from scipy.signal import sosfilt
 
 from freebody.arrays import Array
-from freebody.identification.filters import ORDER, SETTLES, require_cutoff
+from freebody.identification.filters import SETTLES, butterworth, require_cutoff
 
 _NEGLIGIBLE = 1e-6
 """Part of its largest weight below which the filter's window ends, of columns and torques alike."""
 _PER_INDEPENDENT = 1.5
 """Samples kept for each independent one (of which there are twice the cutoff a second)."""
-_AT_ONCE = 32
-"""Kept samples that one product of matrices yields."""
+_AT_ONCE, _IN_PRODUCT = 128, 16
+"""Kept samples whose columns are in memory at once, and those that one product of matrices yields:
+its matrix of weights is a band, and with fewer rows less of it is 0."""
 
 
 @dataclass(frozen=True)
@@ -53,32 +54,29 @@ class Decimation:
     ) -> Iterator[tuple[slice, Array]]:
         """(which of the places, filtered columns (k, c) there), part by part, `columns` being a
         function of a range of samples -> (samples, c)."""
-        span = _AT_ONCE * self.step
-        start, weights, weighted = 0, np.empty((0, 0)), np.empty(0, dtype=np.intp)
+        width, start = len(self.window), 0
+        weights = np.zeros((_IN_PRODUCT, (_IN_PRODUCT - 1) * self.step + width))
+        for k, row in enumerate(weights):
+            row[k * self.step : k * self.step + width] = self.window
         while start < len(places):
             first = places[start]
-            end = int(np.searchsorted(places, first + span))
-            last = places[end - 1]
-            x = columns(slice(first - self.reach, last + self.reach + 1))
-            at = places[start:end] - first
-            if weights.shape != (len(at), len(x)) or not np.array_equal(at, weighted):
-                weights, weighted = self._weights(at, len(x)), at
-            yield slice(start, end), weights @ x
+            end = int(np.searchsorted(places, first + _AT_ONCE * self.step))
+            x = columns(slice(first - self.reach, places[end - 1] + self.reach + 1))
+            every = np.empty(((len(x) - width) // self.step + 1, x.shape[1]))
+            for k in range(0, len(every), _IN_PRODUCT):
+                out = every[k : k + _IN_PRODUCT]
+                span = (len(out) - 1) * self.step + width
+                part = x[k * self.step : k * self.step + span]
+                np.matmul(weights[: len(out), :span], part, out=out)
+            yield slice(start, end), every[(places[start:end] - first) // self.step]
             start = end
-
-    def _weights(self, places: NDArray[np.intp], count: int) -> Array:
-        """The weights (k, count) of samples in filtered ones, whose windows begin at places."""
-        weights = np.zeros((len(places), count))
-        for k, place in enumerate(places):
-            weights[k, place : place + len(self.window)] = self.window
-        return weights
 
 
 def decimation(rate: float, cutoff: float) -> Decimation:
     """The low pass at a cutoff (Hz) of samples at a rate (Hz). Raises FreebodyError where the
     cutoff is not below half the rate."""
     require_cutoff("identify", rate, cutoff)
-    sections = butter(ORDER, cutoff, fs=rate, output="sos")
+    sections = butterworth(rate, cutoff)
     impulse = np.zeros(int(np.ceil(SETTLES * rate)))
     impulse[0] = 1.0
     forward = sosfilt(sections, impulse)

@@ -12,7 +12,9 @@ from scipy.stats import chi2
 
 from freebody.arrays import Array
 from freebody.identification.columns import Columns
-from freebody.identification.regression import JointEquations, LogEquations, Regressed
+from freebody.identification.first_gains import inverse_products
+from freebody.identification.log_equations import JointEquations, LogEquations
+from freebody.identification.regression import Regressed
 from freebody.identification.verdict import QUANTILE
 
 _BLOCK, _MOST = 10.0, 8
@@ -116,13 +118,16 @@ def friction_drift(found: LogEquations, x: Regressed) -> tuple[FrictionDrift, ..
         if len(present) < 2:
             continue
         columns = np.stack([np.where(at == k, friction, 0.0) for k in present], axis=1)
-        told = rows.x[:, rows.unknowns < found.size]
-        columns = columns - told @ np.linalg.lstsq(told, columns, rcond=1e-9)[0]
+        told = np.flatnonzero(rows.unknowns < found.size)
+        across = (rows.x.T @ columns)[told]
+        shared = inverse_products(rows.squares[np.ix_(told, told)]) @ across
         noise = x.inflation[j] * x.spread[j] ** 2
-        inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-6, hermitian=True)
-        change = inverse @ (columns.T @ x.residuals[j])
+        own = columns.T @ columns - across.T @ shared
+        inverse = np.linalg.pinv(own, rcond=1e-6, hermitian=True)
+        moment = columns.T @ x.residuals[j] - shared.T @ (rows.x.T @ x.residuals[j])[told]
+        change = inverse @ moment
         half = QUANTILE * np.sqrt(noise * np.diag(inverse))
-        accident = chi2.sf(change @ (columns.T @ x.residuals[j]) / noise, len(present) - 1)
+        accident = chi2.sf(change @ moment / noise, len(present) - 1)
         made.append(
             FrictionDrift(
                 found.columns.joints[j],

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.identification.regression import LogEquations
+from freebody.identification.log_equations import LogEquations
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ residual has the filter's bandwidth: of fs samples a second only 2 fc are indepe
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
@@ -36,8 +38,14 @@ def low_pass(x: Array, rate: float, cutoff: float) -> Array:
             f"low_pass: {len(x)} samples at {rate:.4g} Hz are too few for a filter at "
             f"{cutoff:.4g} Hz; it needs {reflected + 1}."
         )
-    sections = butter(ORDER, cutoff, fs=rate, output="sos")
-    return np.asarray(sosfiltfilt(sections, x, axis=0, padlen=reflected))
+    return np.asarray(sosfiltfilt(butterworth(rate, cutoff), x, axis=0, padlen=reflected))
+
+
+@lru_cache(maxsize=16)
+def butterworth(rate: float, cutoff: float) -> tuple[tuple[float, ...], ...]:
+    """The sections of second order of which the low pass at `cutoff` (Hz) of samples at `rate` (Hz)
+    consists."""
+    return tuple(map(tuple, np.asarray(butter(ORDER, cutoff, fs=rate, output="sos")).tolist()))
 
 
 def require_cutoff(function: str, rate: float, cutoff: float) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from freebody.arrays import Array
 
 if TYPE_CHECKING:
-    from freebody.identification.regression import JointEquations
+    from freebody.identification.log_equations import JointEquations
 
 _SURE = 10.0
 """Standard deviations above which a gain is taken from a joint's own current."""

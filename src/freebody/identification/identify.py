@@ -35,16 +35,11 @@ from freebody.identification.identification import (
     JointFit,
     is_known,
 )
+from freebody.identification.log_equations import LogEquations, equations
 from freebody.identification.logs.log import Log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
-from freebody.identification.regression import (
-    LogEquations,
-    Regressed,
-    equations,
-    regressed,
-    suited,
-)
+from freebody.identification.regression import Regressed, regressed, suited
 from freebody.identification.torque_scale import TorqueScale, scale_by_load
 from freebody.identification.verdict import (
     QUANTILE,
@@ -79,6 +74,7 @@ def identify(
     prior: Model | Mapping[str, float] | Sequence[float] | None = None,
     cutoff: float = EVERYTHING,
     smooth: float | None = None,
+    lmi: bool = False,
 ) -> Identification:
     """A robot's masses, rotors and friction as its logs tell them, with intervals, and the physical
     model that predicts them.
@@ -115,6 +111,10 @@ def identify(
     smooth
         Rate (rad/s, m/s) within which the sign of dry friction changes, 0 for at once; None: that
         of 0.01, 0.003 and 0.001 which fits best.
+    lmi
+        Whether the model is to be the physical robot nearest to the base values, by linear matrix
+        inequalities (Clarabel, of the extra `lmi`), instead of one near what was held beforehand:
+        single masses then mean nothing.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def identify(
     FreebodyError
         Logs without torques and currents, too short, or in which a joint does not move; logs with a
         load that do not show it.
-    PassiveJointError, UnknownNameError
+    PassiveJointError, UnknownNameError, MissingPackageError
     """
     require_model("identify", model)
     used = read_logs("identify", "logs", logs, model)
@@ -145,8 +145,10 @@ def identify(
     drift = friction_drift(found, first)
     columns, by_current = found.columns, found.currents
     known = _scale(model, found, first, (used, carrying), load, held, cutoff)
-    fit = fit_physical(model, found, first, held, known)
+    fit = fit_physical(model, found, first, held, known, lmi)
     told = ToldScale(fit.scale.interval(QUANTILE), load)
+    if lmi:
+        held = replace(held, source="nothing")
     if columns.by_load:
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None

@@ -17,9 +17,10 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.columns import Columns
 from freebody.identification.given_logs import torques_of
+from freebody.identification.log_equations import LogEquations, equations
 from freebody.identification.logs.log import Log
 from freebody.identification.priors import of_moments
-from freebody.identification.regression import LogEquations, Regressed, equations, regressed, suited
+from freebody.identification.regression import Regressed, regressed, suited
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.spatial import of_dimension

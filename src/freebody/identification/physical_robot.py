@@ -19,9 +19,12 @@ from freebody.identification.consistency import (
     nearest_physical,
     pseudo_inertia_basis,
 )
+from freebody.identification.log_equations import LogEquations
+from freebody.identification.nearest_by_lmi import nearest_by_lmi
 from freebody.identification.priors import Prior
-from freebody.identification.regression import LogEquations, Regressed
+from freebody.identification.regression import Regressed
 from freebody.identification.torque_scale import TorqueScale
+from freebody.model.changes import with_drive
 from freebody.model.doubts import ESTIMATED, Doubt
 from freebody.model.drives import LAWS
 from freebody.model.inertial_parameters import body_parameters
@@ -31,7 +34,7 @@ from freebody.spatial import of_dimension
 _PART_OF_NOISE = 0.05
 """Part of the number of base parameters by which chi2 may grow for the prior: where it was as great
 as the number itself, the data's own errors would have moved the estimate as far."""
-_OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
+_OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0, "nothing": 0.0}
 """Weight of what is held of masses alone: a data sheet or a drawing tells them far better than an
 estimated shape tells where they are."""
 _LEAST_FRICTION, _LEAST_LOSS = 0.01, 0.005
@@ -62,9 +65,10 @@ def fit_physical(
     regressed: Regressed,
     prior: Prior,
     known: TorqueScale | None,
+    lmi: bool = False,
 ) -> PhysicalFit:
     """The physical robot nearest to a regression. known: the scale of the torques, or None where it
-    is to be found from the prior's masses."""
+    is to be found from the prior's masses. lmi: whether the prior's weight is 0 beside the data."""
     columns, information = found.columns, regressed.information
     size, n = len(columns.inertial_names), len(columns.joints)
     first = base_scale(columns, regressed, prior)
@@ -79,14 +83,19 @@ def fit_physical(
         own = information / np.outer(factors, factors)
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
+    def solved(near: Fitted | None) -> Fitted:
+        if lmi:
+            return nearest_by_lmi(*problem(scale))
+        return nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base, near)
+
     shaped = prior.source == "masses"
     if known is None:
         known = _found_scale(lambda x: closest(*problem(first * np.exp(x)), shaped)[0], first)
     scale = known.factor
-    fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
+    fitted = solved(None)
     if columns.by_load:
         at = _products(columns, fitted.x) / [1.0, scale]
-        fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
+        fitted = solved(fitted)
     combine, _ = _combine(columns, _products(columns, fitted.x))
     values = combine @ fitted.x
     for (loss, rotor), row in zip(_products(columns, fitted.x), columns.rows, strict=True):
@@ -232,6 +241,6 @@ def robot(model: Model, columns: Columns, fit: PhysicalFit, doubts: Sequence[str
         for x, strength in zip(columns.friction, friction, strict=True):
             numbers[x.law.strength] = float(strength)
             numbers |= x.numbers
-        made = made.with_drive(joint, **numbers)
+        made = with_drive(made, joint, numbers)
     notices = (*made.notices, *(Doubt(ESTIMATED, text) for text in doubts))
     return replace(made, notices=notices)

@@ -31,13 +31,14 @@ _THINNEST = 1e-8
 """Ratio of the eigenvalues of a pseudo-inertia below which no body has it: some published masses
 are right, and their inertias impossible; such bodies get the estimated shape."""
 
-PriorSource = Literal["model", "masses", "geometry"]
+PriorSource = Literal["model", "masses", "geometry", "nothing"]
 
 
 @dataclass(frozen=True)
 class Prior:
     """Inertial parameters (bodies, k) held beforehand, and where their masses are from: the model,
-    given masses, or the shape of the arm alone, whose scale then means nothing."""
+    given masses, the shape of the arm alone, whose scale then means nothing, or nothing that
+    counts."""
 
     bodies: Array
     source: PriorSource

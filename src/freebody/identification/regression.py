@@ -1,10 +1,10 @@
-"""Regression of logs: columns and torques filtered alike, weighted joint by joint, robust against
+"""Regression of logs: least squares of their equations, weighted joint by joint, robust against
 single samples, and repeated for the friction that depends on the load."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +13,10 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.columns import WIDTHS, Columns
-from freebody.identification.decimation import Decimation, decimation
 from freebody.identification.first_gains import first_gains
-from freebody.identification.logs.log import Log, LogStates
+from freebody.identification.log_equations import LogEquations, equations
+from freebody.identification.logs.log import Log
 
-REST = 0.02
-"""Rate (rad/s, m/s) up to which a joint counts as resting, where dry friction is any torque that
-holds: such rows are left out."""
 _OUTLYING = 3.0
 """Residuals above so many standard deviations count less (Huber's weights)."""
 _ROUNDS, _LOADED = 5, 3
@@ -41,81 +38,6 @@ _LEAST_NOISE = 1e-6
 """Part of a joint's torque that its noise is at least: no sensor is better."""
 _TRIED = 30.0
 """Time (s) of each log by which the width of the sign of rates is chosen."""
-
-
-class Prepared(NamedTuple):
-    """A log with the states of which its columns are made, and the samples that are kept."""
-
-    log: Log
-    states: LogStates
-    filter: Decimation
-    places: NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class JointEquations:
-    """The equations of one joint. x: (m, c) filtered columns, last, where there are such, those of
-    load-dependent friction, and then one for the gain of the drive. unknowns: (c,) that they
-    multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of. rate:
-    (m,) of the joint. load: the places of load-dependent friction."""
-
-    x: Array
-    unknowns: NDArray[np.intp]
-    y: Array
-    places: NDArray[np.intp]
-    rate: Array
-    load: slice
-
-
-@dataclass(frozen=True)
-class LogEquations:
-    """The equations of logs of one robot, filtered once, a record of rows for each joint."""
-
-    columns: Columns
-    prepared: tuple[Prepared, ...]
-    rows: tuple[JointEquations, ...]
-    currents: bool
-    """Whether they add up to currents with unknown gains, so that y is in A."""
-
-    @property
-    def size(self) -> int:
-        """The number of unknowns without gains."""
-        return len(self.columns.names)
-
-    @property
-    def inflation(self) -> float:
-        """The factor by which the variance of estimates exceeds that from as many independent
-        samples, the noise being white before it was filtered."""
-        return max(p.filter.inflation for p in self.prepared)
-
-    @property
-    def spacing(self) -> float:
-        """Time between kept samples, s."""
-        return max(p.filter.step / p.log.rate for p in self.prepared)
-
-    def put_loads(self, values: Array) -> None:
-        """Puts into the columns of load-dependent friction what joints transmit with these
-        unknowns: of T = Y base - J q̈, without rotors, a part is lost, a |T| sign(q̇)."""
-        (base, rotors), n, found = self.columns.of_bodies(values), len(self.rows), []
-        for p in self.prepared:
-            torque = self.columns.transmitted(base, *p.states)
-            s = self.columns.sign(p.states.qd) * np.sign(torque - rotors * p.states.qdd)
-            both = np.concatenate([s * torque, -s * p.states.qdd], axis=1)
-            filtered = np.empty((len(p.places), 2 * n))
-            for where, x in p.filter.filtered(p.places, both.__getitem__):
-                filtered[where] = x
-            found.append(filtered)
-        loads = np.concatenate(found)
-        for j, rows in enumerate(self.rows):
-            both = loads[rows.places][:, [j, n + j]]
-            rows.x[:, rows.load] = both[:, : rows.load.stop - rows.load.start]
-
-    def sums(self, values: Array) -> list[Array]:
-        """The sums of each joint's columns, torques or currents."""
-        return [
-            rows.x[:, rows.unknowns < self.size] @ values[rows.unknowns[rows.unknowns < self.size]]
-            for rows in self.rows
-        ]
 
 
 class Regressed(NamedTuple):
@@ -140,70 +62,6 @@ class Regressed(NamedTuple):
     gains: Array
     first_gains: Array
     of_gains: Array
-
-
-def equations(
-    function: str,
-    columns: Columns,
-    logs: Sequence[Log],
-    given: Sequence[Array] | None,
-    cutoff: float,
-) -> LogEquations:
-    """The filtered equations of logs.
-
-    given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
-    Raises FreebodyError where a joint has too few samples that move.
-    """
-    prepared = tuple(_prepared(log, cutoff) for log in logs)
-    n, currents = len(columns.joints), given is None
-    sums = [log.current for log in logs] if given is None else given
-    whole = np.empty((sum(len(p.places) for p in prepared), columns.width + n))
-    start = 0
-    for p, right in zip(prepared, sums, strict=True):
-        _filter(columns, p, np.asarray(right), whole[start : start + len(p.places)])
-        start += len(p.places)
-    rate = np.concatenate([p.states.qd[p.places] for p in prepared])
-    rows = []
-    for j, row in enumerate(columns.rows):
-        moving = np.flatnonzero(np.abs(rate[:, j]) > REST)
-        extra = row.by_load + ([len(columns.names) + j] if currents else [])
-        unknowns = np.array([*row.unknowns, *extra], dtype=np.intp)
-        if len(moving) < 2 * len(unknowns):
-            raise FreebodyError(
-                f"{function}: joint {columns.joints[j]!r} moves faster than {REST:g} rad/s (m/s) "
-                f"in {len(moving)} of {len(whole)} samples, too few to tell its friction; take "
-                f"logs in which every joint moves."
-            )
-        x = np.zeros((len(moving), len(unknowns)))
-        x[:, : len(row.unknowns)] = whole[moving, row.results]
-        y, first = whole[moving, columns.width + j], len(row.unknowns)
-        load = slice(first, first + len(row.by_load))
-        rows.append(JointEquations(x, unknowns, y, moving, rate[moving, j], load))
-    return LogEquations(columns, prepared, tuple(rows), currents)
-
-
-def _prepared(log: Log, cutoff: float) -> Prepared:
-    low_pass = decimation(log.rate, cutoff)
-    return Prepared(log, log.states(), low_pass, low_pass.kept(log.settled()))
-
-
-def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
-    """Writes filtered columns, and what they add up to, of a log's kept samples."""
-    buffer = np.empty((0, columns.width + len(columns.joints)))
-
-    def samples(part: slice) -> Array:
-        nonlocal buffer
-        size = part.stop - part.start
-        if size > len(buffer):
-            buffer = np.empty((size, buffer.shape[1]))
-        x = buffer[:size]
-        q, qd, qdd = (state[part] for state in p.states)
-        columns.kernel(q, qd, qdd, columns.sign(qd), out=x[:, : columns.width])
-        x[:, columns.width :] = given[part]
-        return x
-
-    for where, x in p.filter.filtered(p.places, samples):
-        out[where] = x
 
 
 def regressed(
@@ -232,7 +90,8 @@ def regressed(
             changed = gains * np.exp(np.clip(solution[found.size :], -1.0, 1.0))
             spread, gains = spread * changed / gains, changed
             for rows, total in zip(found.rows, sums, strict=True):
-                rows.x[:, -1] = -total
+                last = rows.x.shape[1] - 1
+                rows.put(slice(last, last + 1), -total[:, None])
         residuals = [k * r.y - x for r, x, k in zip(found.rows, sums, gains, strict=True)]
         spread = np.array([_size(e, w) for e, w in zip(residuals, weights, strict=True)])
         weights = [
@@ -298,14 +157,15 @@ def suited(
     parts = [_middle(log) for log in logs]
     taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
     short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
-    tried = []
+    tried, start = [], None
     for width in WIDTHS:
         own = replace(columns, smooth=width)
         try:
             found = equations(function, own, short, taken, cutoff)
         except FreebodyError:  # a joint rests in the parts; it may move elsewhere
             found = equations(function, own, logs, given, cutoff)
-        tried.append((regressed(found, held), own))
+        tried.append((regressed(found, held, start), own))
+        start = None if found.currents else tried[0][0].values
     best, own = min(tried, key=lambda x: _left(x[0]))
     return own, best.values
 
@@ -341,9 +201,9 @@ def _normal(
     size = found.size + len(found.rows) * found.currents
     normal, moment = np.zeros((size, size)), np.zeros(size)
     for rows, weight, factor, gain in zip(found.rows, weights, scale, gains, strict=True):
-        weighted = rows.x * (weight * factor)[:, None]
-        normal[np.ix_(rows.unknowns, rows.unknowns)] += rows.x.T @ weighted
-        moment[rows.unknowns] += weighted.T @ (gain * rows.y)
+        squares, moments = rows.weighted(weight)
+        normal[np.ix_(rows.unknowns, rows.unknowns)] += factor * squares
+        moment[rows.unknowns] += factor * gain * moments
     if found.currents:
         hold_gains(normal, moment, found.size, gains, first)
     return normal, moment

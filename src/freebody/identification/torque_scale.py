@@ -23,8 +23,9 @@ from freebody.identification.load_estimates import (
     load_regression,
     on_frame,
 )
+from freebody.identification.log_equations import LogEquations
 from freebody.identification.logs.log import Log
-from freebody.identification.regression import LogEquations, Regressed
+from freebody.identification.regression import Regressed
 from freebody.model.model import Model
 
 _LEAST = 3.0

@@ -78,7 +78,7 @@ def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held:
         return f"{said}; the scale of torques and masses is not told."
     if not is_known(scale.factors):
         return f"{said}; the scale of torques and masses is told to {scale.percent} alone."
-    if held.source == "geometry":
+    if held.source in ("geometry", "nothing"):
         return f"{said}; base parameters and torques are the logs', single masses are not told."
     source = "the model's" if held.source == "model" else "the given ones"
     return f"{said}; single masses are near {source}, which logs do not tell."
@@ -115,10 +115,11 @@ def mass_doubts(held: Prior, scale: ToldScale) -> list[str]:
         said = "the model is identified from currents: masses, frictions and torques are"
         return [f"{said} {factor}."] if factor else []
     factor = f", and all are {factor}" if factor else ""
-    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
+    what = "centres and inertias" if held.source == "masses" else "masses, centres and inertias"
+    whence = "any that give them" if held.source == "nothing" else "estimated from its geometry"
     return [
         f"the model is identified from logs: torques of its drives follow from them, but single "
-        f"{what} of links are estimated from its geometry{factor}."
+        f"{what} of links are {whence}{factor}."
     ]
 
 
@@ -168,6 +169,11 @@ def notices_of(
             f"No robot of this geometry gives these torques: so much of them is left at {left}. "
             f"Look whether the columns are in the joints' order, with their signs and units, and "
             f"whether geometry, zeros and gravity are the robot's."
+        )
+    if held.source == "nothing":
+        found.append(
+            "Single masses, centres and inertias in the model are any that bodies can have and "
+            "that give the base parameters; nothing that was held beforehand chose them."
         )
     wrong = [x.joint for x in joints if not x.law_fits]
     if wrong:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.stats import chi2
 
 import freebody as fb
 
@@ -46,13 +48,31 @@ def columns(model: fb.Model, q: Any, qd: Any, qdd: Any) -> np.ndarray:
     return np.concatenate([Y, of_joints.reshape(*of_joints.shape[:-2], -1)], axis=-1)
 
 
+def any_friction(qd: Any) -> np.ndarray:
+    """Columns (n, nv, parameters) that add up to a torque in each joint that is any odd function of
+    its rate but for its slope, piecewise linear between five rates."""
+    size, sign = np.abs(qd), np.tanh(qd / 0.05)
+    moving = np.where(size > 0.02, size, np.nan)
+    knots = np.nanquantile(moving, [0.08, 0.2, 0.4, 0.7, 1.0], axis=0)
+    of_joints = np.stack([size, *(sign * np.minimum(size, k) for k in knots)], axis=-1)
+    columns = np.eye(qd.shape[1])[:, :, None] * of_joints[..., None, :]
+    return columns.reshape(*columns.shape[:-2], -1)
+
+
 def deviations(model: fb.Model, t: Any, q: Any, qd: Any, qdd: Any, noise: Any) -> np.ndarray:
-    """Standard deviations of least squares, a second at both ends and rests left out."""
-    settled = (t > t[0] + 1.0) & (t < t[-1] - 1.0)
-    Y = columns(model, q, qd, qdd)
-    X = (Y / np.asarray(noise)[:, None])[settled[:, None] & (np.abs(qd) > 0.02)]
-    size = np.linalg.norm(X, axis=0)
-    return np.sqrt(np.diag(np.linalg.inv((X / size).T @ (X / size)))) / size
+    """Standard deviations of least squares, a second at both ends and rests left out: of friction
+    by its laws, of base parameters whatever the friction."""
+    used = ((t > t[0] + 1.0) & (t < t[-1] - 1.0))[:, None] & (np.abs(qd) > 0.02)
+    Y, sigma = columns(model, q, qd, qdd), np.asarray(noise)[:, None]
+    found = []
+    for Z in (Y, np.concatenate([Y, any_friction(np.where(used, qd, 0.0))], axis=-1)):
+        X = (Z / sigma)[used]
+        size = np.linalg.norm(X, axis=0)
+        inverse = np.linalg.pinv((X / size).T @ (X / size), rcond=1e-12, hermitian=True)
+        found.append(np.sqrt(np.diag(inverse)) / size)
+    by_laws, whatever = found
+    base = len(told(model)[1])
+    return np.concatenate([whatever[:base], by_laws[base:]])
 
 
 def test_limits_are_kept(found: fb.Excitation) -> None:
@@ -66,6 +86,59 @@ def test_limits_are_kept(found: fb.Excitation) -> None:
     assert motion.t[-1] == 10.0
     assert not motion.qd[[0, -1]].any()
     assert np.abs(motion.qdd[[0, -1]]).max() < 1e-9
+
+
+def tracked(model: fb.Model, motion: fb.Motion, end: float, hold: float = 0.005) -> Any:
+    """Simulation of a motion up to a time, by computed torque that is held for `hold` seconds."""
+    place = CubicHermiteSpline(motion.t, motion.q, motion.qd)
+    rate, acceleration = place.derivative(), CubicSpline(motion.t, motion.qdd)
+    law = fb.kernel(model, "computed_torque")
+    kp, kd = np.full(model.nv, 400.0), np.full(model.nv, 40.0)
+
+    def control(t: float, q: Any, qd: Any) -> Any:
+        return law(q, qd, place(t), rate(t), acceleration(t + hold / 2), kp, kd)
+
+    return fb.simulate(
+        model, motion.q[0], motion.qd[0], motion.t[motion.t <= end], control,
+        sample_time=hold, tolerance=1e-6, record=("q", "qd", "tau"),
+    )  # fmt: skip
+
+
+def kept(run: Any, model: fb.Model, velocity: Any, torque: Any) -> bool:
+    """Whether a simulation is within limits, rates and torques to half a percent, since a held
+    torque lags behind."""
+    q, allowed = run.q.values, model.limits
+    return bool(
+        (q > allowed.lower).all()
+        and (q < allowed.upper).all()
+        and (np.abs(run.qd.values) < 1.005 * np.asarray(velocity)).all()
+        and (np.abs(run.tau.values) < 1.005 * np.asarray(torque)).all()
+    )
+
+
+def test_limits_are_kept_by_a_controller_that_tracks_the_motion(found: fb.Excitation) -> None:
+    run = tracked(ARM, found.motion, 2.0)
+
+    assert np.abs(run.q.values - found.motion.q[: len(run.time)]).max() < 2e-3
+    assert kept(run, ARM, 2.0, [60.0, 20.0])
+    used = np.abs(run.qd.values).max(axis=0)
+    assert not kept(run, ARM, 0.9 * used, [60.0, 20.0])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("robot", ["2R", "ur5e"])
+def test_limits_are_kept_all_along_the_motion(robot: str, found: fb.Excitation) -> None:
+    model, motion, torque = ARM, found.motion, np.array([60.0, 20.0])
+    if robot == "ur5e":
+        model = fb.load("ur5e")
+        torque = np.minimum(model.limits.effort, 100.0)
+        motion = fb.excitation(
+            model, 20.0, velocity=2.0, acceleration=6.0, noise=1.0, torque=torque
+        ).motion
+
+    run = tracked(model, motion, motion.t[-1])
+
+    assert kept(run, model, 2.0, torque)
 
 
 def test_rates_and_accelerations_are_those_of_the_positions(found: fb.Excitation) -> None:
@@ -89,23 +162,47 @@ def test_what_is_promised_is_the_inverse_of_the_information(found: fb.Excitation
     assert name in repr(found)
 
 
-def test_logs_of_the_motion_tell_what_it_promises(found: fb.Excitation) -> None:
-    """Errors of regressions of simulated logs are as large as the standard deviations promised."""
-    motion, rng = found.motion, np.random.default_rng(4)
+def errors(found: fb.Excitation, motion: fb.Motion, friction: dict[str, float], seeds: range):
+    """Errors (logs, parameters) of what is identified from logs of a motion with noise, over the
+    standard deviations that were promised."""
+    truth = fb.inertial_parameters(ARM)
     tau = fb.inverse_dynamics(ARM, motion.q, motion.qd, motion.qdd)
-    tau += 0.7 * motion.qd + 1.1 * np.tanh(motion.qd / 0.05)
-    every = np.ones(len(motion.t), dtype=bool)
-    values = []
-    for _ in range(25):
-        noisy = tau + NOISE * rng.normal(size=tau.shape)
+    tau += friction["viscous"] * motion.qd + friction["coulomb"] * np.tanh(motion.qd / 0.05)
+    every, made = np.ones(len(motion.t), dtype=bool), []
+    for seed in seeds:
+        noisy = tau + NOISE * np.random.default_rng(seed).normal(size=tau.shape)
         log = fb.Log(motion.t, motion.q, motion.qd, noisy, None, ARM.velocity_names, every)
-        told = fb.identify(ARM, log, friction=("viscous", "coulomb", "offset"), smooth=0.05)
-        values.append([told[name].value for name in found.names])
+        told = fb.identify(ARM, log, friction=tuple(friction), smooth=0.05)
+        pi = [truth.get(name, 0.0) for name in told.inertial_names]
+        true = dict(zip(found.names, told.combinations @ pi, strict=False))
+        true |= {f"{j}.{law}": x for j in ARM.joint_names for law, x in friction.items()}
+        made.append([told[name].value - true[name] for name in found.names])
+    return np.array(made) / found.deviations
 
-    ratio = np.std(values, axis=0, ddof=1) / found.deviations
 
-    assert 0.85 < np.sqrt((ratio**2).mean()) < 1.2
-    assert 0.6 < ratio.min() < ratio.max() < 1.5
+def hold(ratio: np.ndarray) -> bool:
+    """Whether the RMS of errors, over what was promised of each parameter, is within the band of
+    normal errors that one set of parameters in a hundred leaves."""
+    count, parameters = ratio.shape
+    low, high = chi2.ppf(np.array([0.5, -0.5]) * 0.01 / parameters % 1.0, count) / count
+    squares = (ratio**2).mean(axis=0)
+    return bool((squares > low).all() and (squares < high).all())
+
+
+LAWS = {"viscous": 0.7, "coulomb": 1.1, "offset": 0.0}
+
+
+def test_logs_of_the_motion_tell_what_it_promises(found: fb.Excitation) -> None:
+    assert hold(errors(found, found.motion, LAWS, range(5)))
+
+
+@pytest.mark.long
+def test_a_hundred_logs_of_the_motion_tell_what_it_promises(found: fb.Excitation) -> None:
+    ratio = errors(found, found.motion, LAWS, range(100))
+
+    assert hold(ratio)
+    assert not hold(0.7 * ratio)  # the law sees a third
+    assert not hold(1.4 * ratio)
 
 
 def random_worst(

@@ -1,0 +1,1 @@
+"""Motions worth logging: those that tell the most of a robot within its limits."""
