@@ -19,8 +19,8 @@ from freebody.design.pair_margins import PairMargins
 from freebody.motion.ranges import Flags
 from freebody.trees.position_rates import Index
 
-_WORK = 120_000
-"""Numbers that are computed for all partial choices that one joint is added to."""
+_WORK = 1_000_000
+"""Numbers that are computed for all partial choices that a joint is added to, over all joints."""
 _FEW = 32
 """Partial choices, fewer than which are not worth their time."""
 _ROUNDS = 2
@@ -36,7 +36,7 @@ class BetterChoices:
         """The factor less 1 by which known choices and those found may have to be improved to be as
         good as every other."""
         numbers = len(pairs.loads.speed) + 4 * max(x.mass.size for x in pairs.pairs)
-        self.width = max(1, _WORK // numbers)
+        self.width = max(1, _WORK // (numbers * len(order)))
 
     def found(self, known: Points, say: Callable[[str, float], None]) -> list[PartialChoice]:
         """The better choices, their margins at most too large."""

@@ -23,7 +23,7 @@ from freebody.motion.ranges import Flags
 
 _WORK = 250_000
 """Pairs that are looked at, over all parts."""
-_MOST_PARTS = 24
+_MOST_PARTS = 48
 _MIXTURES = (1.0, 0.5, 0.0)
 """Shares of mass, the others of price, that choices at a new level are searched for."""
 _NARROW = 1.002
