@@ -87,7 +87,7 @@ class BetterChoices:
         ]
 
     def _best_alike(self, done: int, reached: Points, masses: Array) -> Index:
-        """Those of partial choices, with drives of masses (k, n), of which no other that loads the
+        """The partial choices, with drives of masses (k, n), of which no other that loads the
         joints behind alike is better in everything."""
         behind = list(self.order[done + 1 :])
         loading = self.pairs.loads.burdens[:, behind].any(axis=1)

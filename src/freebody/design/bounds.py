@@ -83,7 +83,7 @@ class MassRange:
     most: Array
 
     def added(self, loads: CycleLoads, k: int) -> list[Array]:
-        """What the whole range of each drive that joint k carries adds to its torque, (T,) each."""
+        """The torques that the whole range of each drive adds that joint k carries, (T,) each."""
         width = self.most - self.least
         carried = np.flatnonzero(width * loads.burdens[:, k])
         return [width[j] * loads.per_kg[k, j] for j in carried]

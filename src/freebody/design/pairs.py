@@ -162,17 +162,15 @@ class PairTable:
 
     def taken(self, motors: Index, gears: Index) -> PairTable:
         """The pairs of some of the motors with some of the gears."""
-        found = copy(self)
+        parts = {"motors": (self.motors, motors), "gears": (self.gears, gears)}
+        taken = {name: tuple(every[k] for k in at) for name, (every, at) in parts.items()}
+        taken["exponents"] = self.exponents[gears]
         for name, value in vars(self).items():
-            if name in ("motors", "gears"):
-                some = motors if name == "motors" else gears
-                setattr(found, name, tuple(value[k] for k in some))
-            elif name == "exponents":
-                found.exponents = value[gears]
-            else:
-                rows = value[motors] if len(value) > 1 or len(self.motors) == 1 else value
-                columns = rows.shape[1] > 1 or len(self.gears) == 1
-                setattr(found, name, rows[:, gears] if columns else rows)
+            if name not in taken:
+                rows = value[motors] if len(value) == len(self.motors) else value
+                taken[name] = rows[:, gears] if rows.shape[1] == len(self.gears) else rows
+        found = copy(self)
+        vars(found).update(taken)
         return found
 
     def torques(self, demand: Demand, at: Index) -> Array:
@@ -223,7 +221,7 @@ class PairTable:
 
     @property
     def _shares(self) -> Array:
-        """What motors feel (3, G) of the first three of a demand's columns."""
+        """The shares (3, G) that motors feel of the first three of a demand's columns."""
         N = self.factor[0]
         return np.stack([1.0 / (self.forward[0] * N), self.back[0] / N, 1.0 / N])
 

@@ -20,7 +20,7 @@ _TIE = 1e-6
 
 
 class Aims:
-    """What partial choices are kept for: levels of their margin, and shares of mass, the others of
+    """The aims that partial choices are kept for: levels of their margin, and shares of mass, the others of
     price."""
 
     def __init__(
