@@ -163,7 +163,9 @@ class PairTable:
     def taken(self, motors: Index, gears: Index) -> PairTable:
         """The pairs of some of the motors with some of the gears."""
         parts = {"motors": (self.motors, motors), "gears": (self.gears, gears)}
-        taken = {name: tuple(every[k] for k in at) for name, (every, at) in parts.items()}
+        taken: dict[str, object] = {
+            name: tuple(every[k] for k in at) for name, (every, at) in parts.items()
+        }
         taken["exponents"] = self.exponents[gears]
         for name, value in vars(self).items():
             if name not in taken:

@@ -20,8 +20,8 @@ _TIE = 1e-6
 
 
 class Aims:
-    """The aims that partial choices are kept for: levels of their margin, and shares of mass, the others of
-    price."""
+    """The aims that partial choices are kept for: levels of their margin, and shares of mass, the
+    others of price."""
 
     def __init__(
         self, pairs: PairMargins, levels: Sequence[float], mixtures: Sequence[float], safest: bool
