@@ -107,7 +107,9 @@ def _where(
     if motion is not None and q is not None:
         raise FreebodyError("--motion and --q: give a motion or a posture.")
     if motion is not None:
-        return motions.read(model, motion, robot.speed), f"along {motion}"
+        at = motions.read(model, motion, robot.speed)
+        carried = any(x.payload is not None for x in getattr(at, "segments", ()))
+        return at, f"along {motion}{', besides what its segments carry' if carried else ''}"
     if robot.speed != 1.0:
         raise FreebodyError("--speed: there is no motion to run faster or slower; give --motion.")
     if q is not None:

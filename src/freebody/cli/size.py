@@ -77,8 +77,8 @@ def size(
     something cannot be read or written.
     """
     from freebody.design.catalogue import catalogue as read
+    from freebody.design.choices import FITS
     from freebody.design.pairs import used
-    from freebody.design.search import FITS
     from freebody.design.size import size as chosen
 
     with terminal.progress("reading") as tell:

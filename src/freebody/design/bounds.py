@@ -1,10 +1,10 @@
 """Bounds that no choice of drives can beat: those of the joints that are still to be chosen
-for, whatever masses their drives have, and how much a choice could gain by them.
+for, whatever masses in a range their drives have, and how much a choice could gain by them.
 
-Every share that is used of a limit is a norm of what the motor or the gear gives, and the masses
-of drives change it at most as much as the torques that they add would use by themselves. So the
-shares at the middle of a range of masses, less those of what half the range adds, are too small
-for no masses in it.
+The torque of a joint is linear in the masses of the drives that it carries. So at each sample it
+lies in an interval, of which the number nearest to 0 tells what gears and peaks of motors bear at
+least; RMS torques of motors start from those of the lightest drives, and what heavier ones add is
+estimated from below.
 """
 
 from __future__ import annotations
@@ -18,11 +18,18 @@ from freebody.arrays import Array
 from freebody.design.drive_loads import demand_of
 from freebody.design.front import front
 from freebody.design.loads import CycleLoads, RestLoads
-from freebody.design.pairs import Demand, PairTable, uses
-from freebody.motion.ranges import Flags
+from freebody.design.pairs import (
+    CONTINUOUS,
+    PEAK,
+    Demand,
+    PairTable,
+    continuous_use,
+    ratio,
+    uses,
+)
 from freebody.trees.position_rates import Index
 
-_MOST = 32
+_MOST = 64
 """Points of a bound; more are joined to fewer, which are better than them."""
 _ROUNDING = 1e-9
 
@@ -68,39 +75,79 @@ class Points:
         )
 
 
-def best_margins(
+@dataclass(frozen=True, eq=False)
+class MassRange:
+    """Masses of the drives of all joints, kg: at least and at most, (n,) each."""
+
+    least: Array
+    most: Array
+
+    def added(self, loads: CycleLoads, k: int) -> list[Array]:
+        """The torques that the whole range of each drive adds that joint k carries, (T,) each."""
+        width = self.most - self.least
+        carried = np.flatnonzero(width * loads.burdens[:, k])
+        return [width[j] * loads.per_kg[k, j] for j in carried]
+
+
+def least_uses(
     loads: CycleLoads,
     rest: RestLoads | None,
     k: int,
     pairs: PairTable,
     life: float,
-    least: Array,
-    most: Array,
+    masses: MassRange,
     known: tuple[Index, Array],
 ) -> Array:
-    """Margins (M, G) that no pair of joint k exceeds, where drives have masses between `least` and
-    `most` (n,); known: samples (p,) at which peak torques are looked at, and what is allowed."""
-    at, allowed = known
-    middle, half = (least + most) / 2.0, (most - least) / 2.0
-    load = demand_of(loads, k, middle, life, rest)
-    added = replace(
+    """The share (M, G) of its limits that each pair of joint k uses at least, whatever drives in a
+    range of masses the joint carries; known: samples (p,) at which peak torques are looked at, and
+    what is allowed there."""
+    load = demand_of(loads, k, masses.least, life, rest)
+    added = masses.added(loads, k)
+    low = load.torque + sum((np.minimum(x, 0.0) for x in added), 0.0 * load.torque)
+    high = load.torque + sum((np.maximum(x, 0.0) for x in added), 0.0 * load.torque)
+    nearest = replace(
         load,
-        torque=half @ np.abs(loads.per_kg[k]),
-        friction=0.0 * load.friction,
-        speed=np.abs(load.speed),
-        acceleration=0.0 * load.acceleration,
-        holding=0.0 if rest is None else float((half @ np.abs(rest.per_kg[k])).max()),
+        torque=np.clip(0.0, low, high),
+        holding=0.0 if rest is None else rest.least_holding(k, masses.least, masses.most),
     )
-    none = replace(added, torque=0.0 * load.torque, holding=0.0)
+    known_shares = {
+        PEAK: _least_peak(load, (low, nearest.torque, high), pairs, *known),
+        CONTINUOUS: continuous_use(load, pairs, _least_squares(load, added, pairs)),
+    }
+    return uses(nearest, pairs, known_shares).max(axis=0)
 
-    def shares(demand: Demand) -> Array:
-        return uses(demand, pairs, pairs.peak_use(demand, at, allowed))
 
-    with np.errstate(invalid="ignore"):
-        # limits of speeds, which no mass changes, are also those of no torque
-        least_use = shares(load) - (shares(added) - shares(none))
-    found = np.where(np.isnan(least_use), np.inf, least_use).max(axis=0)
-    return (1.0 + _ROUNDING) / np.maximum(found, 1e-300)
+def _least_peak(
+    load: Demand, torques: Sequence[Array], pairs: PairTable, at: Index, allowed: Array
+) -> Array:
+    """The share (M, G) of the peak torque that is used at least where the torque is between the
+    first and the last of three, between which the second is the one nearest to 0, at which the
+    losses of a gear change."""
+    through = [pairs.through_gears(replace(load, torque=x), at) for x in torques]
+    rotors = pairs.of_rotors(load, at)
+    low, high = (x[:, None, :] + rotors for x in (np.minimum.reduce(through),
+                                                  np.maximum.reduce(through)))  # fmt: skip
+    distance = np.maximum(np.maximum(low, -high), 0.0)
+    return ratio(distance, allowed).max(axis=0, initial=0.0)
+
+
+def _least_squares(load: Demand, added: Sequence[Array], pairs: PairTable) -> Array:
+    """Mean squares (C, M, G) of motors' torques that no part of what is added makes smaller.
+
+    A motor feels of an added torque a share between those of its gear while it drives, while it is
+    driven, and at rest: a ± c. So what it adds to the mean square is, by Cauchy's inequality, at
+    least 2/N (a m - c R r), with the mean m of its product with the motor's torque and their RMS
+    values r and R; its own square, which is positive, left out.
+    """
+    squares = pairs.mean_squares(load)
+    shares = np.stack([1.0 / pairs.forward, pairs.back, np.ones_like(pairs.back)])
+    a, c = (shares.max(axis=0) + shares.min(axis=0)) / 2.0, np.ptp(shares, axis=0) / 2.0
+    root, found = np.sqrt(squares), squares
+    for torque in added:
+        size = np.sqrt(load.shares @ torque**2)[:, None, None]
+        change = a * pairs.mean_products(load, torque) - c * root * size
+        found = found + np.minimum(2.0 * change / pairs.factor, 0.0)
+    return np.maximum(found, 0.0)
 
 
 def gain(choices: Points, ahead: Points, known: Points) -> Array:
@@ -120,9 +167,3 @@ def _times(one: Array | float, other: Array | float) -> Array:
     """How many times one is larger than another, at least 1."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(np.less_equal(one, other), 1.0, np.divide(one, other))
-
-
-def ranges(pairs: Sequence[PairTable], good: Sequence[Flags]) -> tuple[Array, Array]:
-    """The least and the largest mass (n,) of the pairs of each joint that may suffice."""
-    masses = [table.mass[at] for table, at in zip(pairs, good, strict=True)]
-    return np.array([x.min() for x in masses]), np.array([x.max() for x in masses])

@@ -271,7 +271,7 @@ def _segment(model: Model, table: TomlTable, folder: Path, places: TipPlaces) ->
             if "motion" in table
             else _planned(model, table, places)
         )
-        places.at = motion.q[-1]
+        places.arrived(motion.q[-1])
         segment = Segment(
             motion, _payload(table), _wrenches(table, model), table.number("dwell", default=0.0)
         )
@@ -286,10 +286,7 @@ def _segment(model: Model, table: TomlTable, folder: Path, places: TipPlaces) ->
 def _planned(model: Model, table: TomlTable, places: TipPlaces) -> Motion:
     rows = _points(model, table) if "points" in table else places.reached(table)
     times = table.vector("times", len(rows)) if "times" in table else None
-    motion = quintic(model, rows, times, acceleration=table.number("acceleration", "number", None))
-    if "tip" in table:
-        places.require_there(table, motion)
-    return motion
+    return quintic(model, rows, times, acceleration=table.number("acceleration", "number", None))
 
 
 def _points(model: Model, table: TomlTable) -> list[list[float]]:

@@ -225,6 +225,17 @@ class RestLoads:
         """The largest torque that holds joint k, where the drives have masses (n,) kg."""
         return float(np.abs(self.static[:, k] + masses @ self.per_kg[k]).max())
 
+    def least_holding(self, k: int, least: Array, most: Array) -> float:
+        """The torque that holding joint k takes at least, with drives of masses between two
+        (n,)."""
+        at, added = (
+            self.static[:, k] + least @ self.per_kg[k],
+            (most - least)[:, None] * self.per_kg[k],
+        )
+        low = at + np.minimum(added, 0.0).sum(axis=0)
+        high = at + np.maximum(added, 0.0).sum(axis=0)
+        return float(np.abs(np.clip(0.0, low, high)).max())
+
 
 _POSTURES = 200
 """Postures of a motion, evenly taken, at which a robot may have to be held."""

@@ -11,7 +11,8 @@ the joint drives the motor (τ q̇ < 0), and 1 at rest.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,12 +78,12 @@ class Demand(Keeps):
         return self.shares @ np.abs(self.speed)
 
     @cached_property
-    def gram(self) -> Array:
-        """Mean products (C, 4, 4) of the torque while the motor drives, the torque while the joint
-        does, what no efficiency changes, and the acceleration: all that RMS torques need."""
+    def columns(self) -> Array:
+        """The torque while the motor drives, the torque while the joint does, what no efficiency
+        changes, and the acceleration (4, T): what motors' torques are made of."""
         flow = self.torque * self.speed
         rest = np.where(flow == 0.0, self.torque, 0.0)
-        columns = np.stack(
+        return np.stack(
             [
                 np.where(flow > 0.0, self.torque, 0.0),
                 np.where(flow < 0.0, self.torque, 0.0),
@@ -90,8 +91,16 @@ class Demand(Keeps):
                 self.acceleration,
             ]
         )
+
+    @cached_property
+    def gram(self) -> Array:
+        """Mean products (C, 4, 4) of the columns: all that RMS torques need."""
+        return self.mean_products(self.columns)
+
+    def mean_products(self, others: Array) -> Array:
+        """Mean products (C, 4, k) of the columns with others (k, T), over each cycle."""
         return np.stack(
-            [(columns[:, at] * share[at]) @ columns[:, at].T
+            [(self.columns[:, at] * share[at]) @ others[:, at].T
              for share, at in zip(self.shares, self.spans, strict=True)]
         )  # fmt: skip
 
@@ -106,10 +115,10 @@ class Demand(Keeps):
         relative = np.abs(self.torque) / largest
         power = relative**3 if exponent == 3.0 else relative**exponent
         worn = self.shares @ (np.abs(self.speed) * power)
-        return largest * _ratio(worn, turned) ** (1.0 / exponent)
+        return largest * ratio(worn, turned) ** (1.0 / exponent)
 
 
-def _ratio(used: Array, allowed: Array) -> Array:
+def ratio(used: Array, allowed: Array) -> Array:
     """used/allowed, infinite where something is used and nothing is allowed, 0 where nothing is
     used."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -136,7 +145,12 @@ class PairTable:
         self.gear_mean = _column(self.gears, "average_torque").T
         self.gear_speed = _column(self.gears, "max_speed").T
         self.gear_mean_speed = _column(self.gears, "average_speed").T
-        self.exponents = [gear.life_exponent or 3.0 for gear in self.gears]
+        self.exponents = np.array([gear.life_exponent or 3.0 for gear in self.gears])
+        self.rated_torque = _column(self.gears, "rated_torque").T
+        # turns that a gear makes at its rated torque, where it is rated
+        self.rated_turns = (
+            _column(self.gears, "rated_life").T * _column(self.gears, "rated_speed").T
+        )
         self.fits = np.array(
             [[not g.fits or m.name in g.fits for g in self.gears] for m in self.motors]
         )
@@ -146,15 +160,35 @@ class PairTable:
         """Number of motors, number of gears."""
         return len(self.motors), len(self.gears)
 
+    def taken(self, motors: Index, gears: Index) -> PairTable:
+        """The pairs of some of the motors with some of the gears."""
+        parts = {"motors": (self.motors, motors), "gears": (self.gears, gears)}
+        taken: dict[str, object] = {
+            name: tuple(every[k] for k in at) for name, (every, at) in parts.items()
+        }
+        taken["exponents"] = self.exponents[gears]
+        for name, value in vars(self).items():
+            if name not in taken:
+                rows = value[motors] if len(value) == len(self.motors) else value
+                taken[name] = rows[:, gears] if rows.shape[1] == len(self.gears) else rows
+        found = copy(self)
+        vars(found).update(taken)
+        return found
+
     def torques(self, demand: Demand, at: Index) -> Array:
         """The torques (k, M, G) of all motors at the samples `at` (k,)."""
-        torque, friction, speed, acceleration = (
-            x[at][:, None]
-            for x in (demand.torque, demand.friction, demand.speed, demand.acceleration)
+        return self.through_gears(demand, at)[:, None, :] + self.of_rotors(demand, at)
+
+    def through_gears(self, demand: Demand, at: Index) -> Array:
+        """The parts (k, G) of motors' torques that gears ask for at the samples `at` (k,)."""
+        torque, friction, speed = (
+            x[at][:, None] for x in (demand.torque, demand.friction, demand.speed)
         )
-        drawn = _drawn(torque, speed, self.forward, self.back)
-        gear = (drawn + friction) / self.factor
-        return gear[:, None, :] + self.inertia * (self.factor * acceleration)[:, None, :]
+        return (_drawn(torque, speed, self.forward, self.back) + friction) / self.factor
+
+    def of_rotors(self, demand: Demand, at: Index) -> Array:
+        """The parts (k, M, G) of motors' torques that speed up rotors and gears."""
+        return self.inertia * (self.factor * demand.acceleration[at][:, None])[:, None, :]
 
     def allowed(self, speed: Array) -> Array:
         """The peak torques (k, M, G) of all motors at rates (k,) of the joint."""
@@ -165,7 +199,7 @@ class PairTable:
         """The largest share (M, G) of the peak torque at the samples `at` (k,); allowed: what
         `allowed` says of them, where it is known."""
         limit = self.allowed(demand.speed[at]) if allowed is None else allowed
-        return _ratio(np.abs(self.torques(demand, at)), limit).max(axis=0, initial=0.0)
+        return ratio(np.abs(self.torques(demand, at)), limit).max(axis=0, initial=0.0)
 
     def whole_peak_use(self, demand: Demand) -> Array:
         """The largest share (M, G) of the peak torque at any sample."""
@@ -183,14 +217,25 @@ class PairTable:
             gear.factor, gear.efficiencies, motor.inertia + gear.inertia,
         )  # fmt: skip
         speed = demand.speed * gear.factor
-        use = _ratio(np.abs(torque), _told(motor, speed, motor.peak_at(speed)))
+        use = ratio(np.abs(torque), _told(motor, speed, motor.peak_at(speed)))
         worst = int(np.argmax(use))
         return float(use[worst]), worst
 
+    @property
+    def _shares(self) -> Array:
+        """The shares (3, G) that motors feel of the first three of a demand's columns."""
+        N = self.factor[0]
+        return np.stack([1.0 / (self.forward[0] * N), self.back[0] / N, 1.0 / N])
+
+    def mean_products(self, demand: Demand, other: Array) -> Array:
+        """The mean products (C, M, G) of the torques of all motors with something else (T,)."""
+        means = demand.mean_products(other[None])[:, :, 0]
+        gears = (means[:, :3] @ self._shares)[:, None]
+        return gears + self.inertia * self.factor * means[:, 3, None, None]
+
     def mean_squares(self, demand: Demand) -> Array:
         """The mean squares (C, M, G) of the torques of all motors."""
-        N = self.factor[0]
-        gear = np.stack([1.0 / (self.forward[0] * N), self.back[0] / N, 1.0 / N])
+        N, gear = self.factor[0], self._shares
         G = demand.gram
         a = np.einsum("ig,cij,jg->cg", gear, G[:, :3, :3], gear)
         b = 2.0 * (G[:, :3, 3] @ gear) * N
@@ -241,29 +286,28 @@ class DriveLimit:
         return self.needed or self.given(motor, gear)
 
 
-def _continuous(demand: Demand, pairs: PairTable) -> Array:
-    squares = pairs.mean_squares(demand)
+def continuous_use(demand: Demand, pairs: PairTable, squares: Array) -> Array:
+    """The share (M, G) of the continuous torque, of mean squares (C, M, G) of motors' torques."""
     if not any(motor.continuous_curve for motor in pairs.motors):
         return np.sqrt(squares.max(axis=0)) / pairs.continuous
     speed = demand.mean_speed[:, None] * pairs.factor
     allowed = np.stack(
         [_told(motor, speed, motor.continuous_at(speed)) for motor in pairs.motors], axis=1
     )
-    return _ratio(np.sqrt(squares), allowed).max(axis=0)
+    return ratio(np.sqrt(squares), allowed).max(axis=0)
 
 
-def _gear_mean(demand: Demand, pairs: PairTable) -> Array:
-    means = [demand.mean_torque(p).max() for p in pairs.exponents]
-    return np.array([means]) / pairs.gear_mean
+def _mean_torques(demand: Demand, pairs: PairTable) -> Array:
+    """The mean torques (C, G) by which gears wear."""
+    values, which = np.unique(pairs.exponents, return_inverse=True)
+    return np.stack([demand.mean_torque(float(p)) for p in values], axis=-1)[:, which]
 
 
 def _gear_life(demand: Demand, pairs: PairTable) -> Array:
     """The mean torque over that at which the gear lasts as long as it has to."""
-    found = []
-    for gear, p in zip(pairs.gears, pairs.exponents, strict=True):
-        lives = gear_lives(demand, gear)
-        found.append(0.0 if gear.rated_life is None else (demand.life / lives.min()) ** (1.0 / p))
-    return np.array([found])
+    turns = demand.life * demand.mean_speed[:, None] * pairs.factor / pairs.rated_turns
+    worn = _mean_torques(demand, pairs) / pairs.rated_torque * turns ** (1.0 / pairs.exponents)
+    return worn.max(axis=0)[None]
 
 
 def gear_lives(demand: Demand, gear: Gear) -> Array:
@@ -282,7 +326,7 @@ def holding_torque(motor: Motor, gear: Gear) -> float:
 
 
 def _brake(demand: Demand, pairs: PairTable) -> Array:
-    return _ratio(np.array([[demand.holding]]), pairs.brake * pairs.factor)
+    return ratio(np.array([[demand.holding]]), pairs.brake * pairs.factor)
 
 
 LIMITS: tuple[DriveLimit, ...] = (
@@ -290,10 +334,12 @@ LIMITS: tuple[DriveLimit, ...] = (
           lambda d, p: d.peak_speed * p.factor / p.max_speed),
     DriveLimit("peak torque", "motor", "peak_torque", "peak torque at its speed",
           lambda d, p: p.whole_peak_use(d)),
-    DriveLimit("continuous torque", "motor", "continuous_torque", "RMS torque", _continuous),
+    DriveLimit("continuous torque", "motor", "continuous_torque", "RMS torque",
+          lambda d, p: continuous_use(d, p, p.mean_squares(d))),
     DriveLimit("gear torque", "gear", "peak_torque", "torque at starts and stops",
           lambda d, p: d.peak_torque / p.gear_peak),
-    DriveLimit("gear mean torque", "gear", "average_torque", "mean torque", _gear_mean),
+    DriveLimit("gear mean torque", "gear", "average_torque", "mean torque",
+          lambda d, p: _mean_torques(d, p).max(axis=0) / p.gear_mean),
     DriveLimit("gear speed", "gear", "max_speed", "input speed",
           lambda d, p: d.peak_speed * p.factor / p.gear_speed),
     DriveLimit("gear mean speed", "gear", "average_speed", "mean input speed",
@@ -321,17 +367,19 @@ def used_of(share: float, limit: str) -> str:
     return f"more than {limit}" if np.isinf(share) else f"{100.0 * share:.4g} % of {limit}"
 
 
-PEAK = [limit.name for limit in LIMITS].index("peak torque")
+PEAK, CONTINUOUS = (
+    [limit.name for limit in LIMITS].index(name) for name in ("peak torque", "continuous torque")
+)
 
 
-def uses(demand: Demand, pairs: PairTable, peak: Array | None = None) -> Array:
+def uses(demand: Demand, pairs: PairTable, known: Mapping[int, Array] | None = None) -> Array:
     """The share (limits, M, G) that each pair uses of each of `LIMITS`, infinite where motor and
-    gear do not fit; peak: the share of peak torque, where it is known."""
+    gear do not fit; known: shares of some limits, by their number."""
     found = np.empty((len(LIMITS), *pairs.shape))
     for k, limit in enumerate(LIMITS):
         if not limit.asked(demand):
             found[k] = 0.0
         else:
-            found[k] = peak if k == PEAK and peak is not None else limit.use(demand, pairs)
+            found[k] = known[k] if known and k in known else limit.use(demand, pairs)
     found[:, ~pairs.fits] = np.inf
     return found

@@ -11,6 +11,7 @@ import numpy as np
 from freebody.arrays import Array, above_zero
 from freebody.by_value import ByValue
 from freebody.design.catalogue import PartCatalogue
+from freebody.design.choices import FITS, DriveChoice, RejectedPair
 from freebody.design.drive_loads import (
     ChosenDrives,
     DriveLoads,
@@ -31,14 +32,9 @@ from freebody.design.loads import (
     rest_loads,
 )
 from freebody.design.notices import unmended
+from freebody.design.pair_margins import pairs_for
 from freebody.design.pairs import LIMITS, uses
-from freebody.design.search import (
-    FITS,
-    DriveChoice,
-    RejectedPair,
-    SizingSearch,
-    pairs_for,
-)
+from freebody.design.search import SizingSearch
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -11,31 +11,26 @@ from freebody.formats.toml_table import TomlTable
 from freebody.inverse.inverse_kinematics import inverse_kinematics
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import home
-from freebody.motion.motion import Motion
 from freebody.motion.ranges import position_columns, ranges
-from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.positions import home_guess
-
-_THERE = 1e-6
-"""m: how far from its last place the tip of a planned motion may end."""
 
 
 class TipPlaces:
     """The positions at which the tip of a robot is at places of a file, one after another.
 
     at: the position (nq,) where the robot is; None before it has been anywhere: at the model's
-    home.
+    home. headed_for: the place that was asked for last.
     """
 
     def __init__(self, model: Model):
         self.model = model
         self.at: Array | None = None
+        self.headed_for: tuple[float, ...] | None = None
         self._known: dict[tuple[float, ...], Array] = {}
 
     def reached(self, table: TomlTable) -> Array:
-        """Positions of the joints (k, nq), of a closed chain of the driven ones, at which the tip
-        is at the places of a table: those of a place that was reached before, else the nearest to
-        the one before."""
+        """Positions (k, nq), of a closed chain closed ones, at which the tip is at the places of a
+        table: those of a place that was reached before, else the nearest to the one before."""
         model, found = self.model, []
         at = self.at
         if at is None:
@@ -51,23 +46,16 @@ class TipPlaces:
                         "tip", k,
                     )  # fmt: skip
                 self._known[place] = solutions.nearest(at)
-            at = self._known[place]
+            at, self.headed_for = self._known[place], place
             found.append(at)
-        names = model.driven_names if model.loops else model.position_names
-        return np.array(found)[:, [model.position_names.index(name) for name in names]]
+        return np.array(found)
 
-    def require_there(self, table: TomlTable, motion: Motion) -> None:
-        """Refuse a motion of a closed chain whose loops close in another way than at the last
-        place."""
-        place = _places(self.model, table)[-1]
-        point = place if place.ndim == 1 else place[:-1, -1]
-        off = forward_kinematics(self.model, motion.q[-1])[:-1, -1] - point
-        if np.abs(off).max() > _THERE:
-            table.refuse(
-                "the loops close in another way on the way to the last place; give places nearer "
-                "to each other, or points of the driven joints.",
-                "tip",
-            )
+    def arrived(self, q: Array) -> None:
+        """The robot is at q (nq,) now: at the place that it was headed for, if at any, with the
+        whole turns that loops may have led joints through."""
+        self.at = q
+        if self.headed_for is not None:
+            self._known[self.headed_for], self.headed_for = q, None
 
 
 def _why(model: Model, target: Array, at: Array) -> str:

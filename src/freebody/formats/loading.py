@@ -17,7 +17,7 @@ from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import RobotDescription
 from freebody.model.dh import Convention
-from freebody.model.doubts import Doubt
+from freebody.model.doubts import Doubt, tied
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
@@ -270,25 +270,12 @@ def weighed(model: Model, description: RobotDescription, estimate: bool, warned:
         filled = {link.name for link in description.links if link.filled}
         found = implausible_masses(model, shapes, estimate, filled)
         model = replace(model, notices=(*model.notices, *found)) if found else model
-    model = settled(model)
+    notices = tied(model.notices, model)
+    model = replace(model, notices=notices) if notices != model.notices else model
     for doubt in model.notices if warned else ():
         if isinstance(doubt, Doubt) and doubt.of.mend:
             warn(f"warning: {doubt}", MassWarning)
     return model
-
-
-def settled(model: Model) -> Model:
-    """The model with each doubt of its file tied to the numbers that the doubt is about: to all
-    numbers of that sort where the file names no links."""
-    if model.missing:
-        return model
-    notices = tuple(
-        replace(x, about=x.of.tied(model))
-        if isinstance(x, Doubt) and not x.about and x.of.tied
-        else x
-        for x in model.notices
-    )
-    return replace(model, notices=notices) if notices != model.notices else model
 
 
 def read(

@@ -127,21 +127,16 @@ def bundled_text(name: str) -> str:
     )
 
 
-_BUNDLED_TEMPLATES = ("five_bar",)
-"""Bundled models that are templates as they are."""
-
-
 def template_names() -> list[str]:
     """Names of the templates, sorted."""
     folder = resources.files("freebody").joinpath("robots", "templates")
-    own = [x.name.removesuffix(".toml") for x in folder.iterdir() if x.name.endswith(".toml")]
-    return sorted([*own, *_BUNDLED_TEMPLATES])
+    return sorted(
+        x.name.removesuffix(".toml") for x in folder.iterdir() if x.name.endswith(".toml")
+    )
 
 
 def template_text(name: str) -> str:
-    """The TOML text of a template; of one that is a bundled model, that model's."""
-    if name in _BUNDLED_TEMPLATES:
-        return bundled_text(name)
+    """The TOML text of a template."""
     folder = resources.files("freebody").joinpath("robots", "templates")
     return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8")
 

@@ -13,8 +13,9 @@ from freebody.formats import toml_parts as parts
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.formats.toml_values import Beneath, with_values
 from freebody.model import dh, planar_arms
+from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mount, RobotDescription
-from freebody.model.doubts import DOUBT_KINDS, Doubt
+from freebody.model.doubts import DOUBT_KINDS, Doubt, tied
 from freebody.model.joints import KINDS
 from freebody.model.parameters import Parameter, each_parameter, with_parameters
 
@@ -247,6 +248,9 @@ def _template(top: TomlTable) -> tuple[RobotDescription, Beneath]:
     # whatever is wrong with its robot, the file's own numbers are: errors are told at its table
     own = TomlTable(top.file, {(): top.lines["template",]}, (), text.data)
     described = _with_the_rest(own, _formed(own, _form(own)), name)
+    if described.notices:  # a robot with other numbers in the place of all of them is free of them
+        defaults = build_model(with_values(own, described, Beneath()), physical="ignore")
+        described = replace(described, notices=tied(described.notices, defaults))
     if "dim" in top and top.data["dim"] != described.dim:
         top.refuse(f"the template {name!r} has dim = {described.dim}; remove dim.", "dim")
     if "gravity" in top:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,7 @@ from freebody.model.doubt_rules.aspects import (
 )
 from freebody.model.doubt_rules.inertias import is_bare
 from freebody.model.inertia import Inertia
+from freebody.model.parameters import with_parameters
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -187,7 +188,7 @@ def read_doubts(model: Model) -> list[Doubt]:
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
-    links, limits = dict(_all_inertias(model)), dict(_all_limits(model))
+    links, limits = dict(_in_numbers(_all_inertias(model))), dict(_in_numbers(_all_limits(model)))
     bare = dict(_bare_bodies(model))
 
     def stands(name: str, was: Inertia | Limits | None) -> bool:
@@ -203,6 +204,24 @@ def read_doubts(model: Model) -> list[Doubt]:
     return [
         doubt for doubt in read if not doubt.about or any(stands(*entry) for entry in doubt.about)
     ]
+
+
+def tied(notices: Sequence[Notice], model: Model) -> tuple[Notice, ...]:
+    """Notices of a file, each doubt among them tied to the numbers of the file's model that it is
+    about: to all numbers of that sort where the file names no links."""
+    if model.missing:
+        return tuple(notices)
+    return tuple(
+        replace(x, about=_in_numbers(x.of.tied(model)))
+        if isinstance(x, Doubt) and not x.about and x.of.tied
+        else x
+        for x in notices
+    )
+
+
+def _in_numbers(about: About) -> About:
+    """The same with values in the place of names, which stand for other values in other models."""
+    return with_parameters(about, lambda parameter: parameter.value)
 
 
 def _bare_bodies(model: Model) -> About:

@@ -61,6 +61,17 @@ def test_closed_positions_say_the_branch():
         fb.quintic(model, [start, start + 0.1], acceleration=2.0)
 
 
+def test_whole_turns_of_joints_that_the_loops_lead_are_no_other_branch():
+    model = five_bar()
+    here = fb.quintic(model, WAY, acceleration=2.0)
+    turned = here.q[-1] + [0, 0, 0, 2 * np.pi]
+    found = fb.quintic(model, [here.q[0], turned], acceleration=2.0)
+    np.testing.assert_allclose(found.q[-1], here.q[-1], atol=1e-9)
+    limited = model.bind({"D.limits.lower": -9.0, "D.limits.upper": 9.0})
+    with pytest.raises(fb.FreebodyError, match=r"the loops lead D to a place 6\.28 away"):
+        fb.quintic(limited, [here.q[0], turned], acceleration=2.0)
+
+
 def test_a_led_joint_slows_the_motion_where_its_speed_is_limited():
     quick = fb.spline(five_bar(), WAY, acceleration=2.0)
     top = quick.peaks.velocity.size[2]

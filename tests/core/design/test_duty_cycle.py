@@ -258,15 +258,37 @@ def test_a_cycle_by_places_of_the_tip(tmp_path: Path):
             fb.DutyCycle.read(robot, file)
 
 
-@pytest.mark.long
+WIDE = {"b": 0.7, "l1": 0.5, "l2": 0.5, "l3": 0.7, "l4": 0.7}
+LOW = '[home]\ntheta1 = "-150 deg"\ntheta2 = "-70 deg"\nB = "110 deg"\nD = "-90 deg"\n'
+
+
 @pytest.mark.usefixtures("numpy_kernels")
-def test_a_closed_chain_by_places_of_its_tip(tmp_path: Path):
-    robot, file = fb.load("five_bar"), tmp_path / "cycle.toml"
-    by_places(file, "0.1, 0.7", "0.2, 0.6")
+@pytest.mark.sample(1)
+@pytest.mark.parametrize(
+    ("numbers", "home", "first", "second"),
+    [
+        # the tip is below the line of its pins, at home above it
+        pytest.param(WIDE, "", "-0.15, 0.4", "0.15, 0.4", id="closed in another way than at home"),
+        pytest.param({}, "", "0.1, 0.7", "0.2, 0.6", id="near home"),
+        pytest.param({"h": 0.3}, "", "-0.15, 0.6", "0.15, 0.6", id="motors at unlike heights"),
+        pytest.param({}, LOW, "-0.15, -0.6", "0.15, -0.6", id="below"),
+        # D makes a whole turn more than an arctangent tells
+        pytest.param({}, "", "-0.5, 0.3", "0.5, 0.3", id="far"),
+    ],
+)
+def test_a_closed_chain_by_places_of_its_tip(
+    numbers: dict[str, float], home: str, first: str, second: str, tmp_path: Path
+):
+    given = "".join(f"{name} = {x}\n" for name, x in numbers.items())
+    text = f'[template]\nname = "five_bar"\n[template.numbers]\n{given}{home}'
+    robot, file = fb.load(text=text, format="toml"), tmp_path / "cycle.toml"
+    by_places(file, first, second)
     cycle = fb.DutyCycle.read(robot, file)
     assert cycle.closes
-    tips = [fb.forward_kinematics(robot, x.motion.q[-1])[:2, 2] for x in cycle.segments]
-    assert tips == [pytest.approx(x, abs=1e-9) for x in ([0.2, 0.6], [0.1, 0.7])]
+    for segment, place in zip(cycle.segments, (second, first), strict=True):
+        there = pytest.approx([float(x) for x in place.split(",")], abs=1e-9)
+        for pinned in ("P", "P4"):
+            assert fb.forward_kinematics(robot, segment.motion.q[-1], pinned)[:2, 2] == there
 
 
 def test_rates_that_jump_are_told():

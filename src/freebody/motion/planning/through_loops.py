@@ -19,6 +19,7 @@ from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.motion.planning.planned import sample_times, times_and_breaks
 from freebody.motion.planning.planning_limits import PlanningLimits, refuse_beyond
+from freebody.motion.ranges import ranges
 from freebody.trees.position_rates import (
     continuous,
     layout,
@@ -194,13 +195,18 @@ def _refuse_elsewhere(
     waypoints: DrivenWaypoints,
     motion: Motion,
 ) -> None:
-    """Refuse closed waypoints that lie on another branch than the first."""
+    """Refuse closed waypoints that lie on another branch than the first; whole turns of joints that
+    the loops lead and nothing stops make no other one."""
     if waypoints.every is None:
         return
+    allowed = ranges(model)
+    endless = allowed.turns & np.isinf(allowed.lower) & np.isinf(allowed.upper)
+    endless[list(model.driven)] = False
     for k, (own, every) in enumerate(zip(waypoints.q, waypoints.every, strict=True)):
         passed = np.abs(curve(motion.knots) - own).max(axis=1)
         q = motion.at(motion.knots[int(np.argmin(passed))])[0]
-        off = np.abs(difference(model, q, every))
+        off = difference(model, q, every)
+        off = np.abs(np.where(endless, np.angle(np.exp(1j * off)), off))
         if off.max() > _ELSEWHERE:
             j = int(np.argmax(off))
             raise LoopError(
