@@ -32,6 +32,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "reference",
     "gallery",
+    "markup",
 ]
 nitpicky = True  # a reference that leads nowhere is a warning, and -W makes an error of it
 
