@@ -300,7 +300,7 @@ _HELD = {
     "V": "records",
     "O": "objects",
 }
-"""What arrays hold that are no real numbers, by NumPy's letter for their kind."""
+"""Words for what an array holds that is no real number, by NumPy's letter for its kind."""
 
 
 def no_real_numbers(where: str, array: Any) -> str:
