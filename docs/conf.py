@@ -32,6 +32,8 @@ extensions = [
     "sphinx.ext.autodoc",
     "reference",
     "gallery",
+    "markup",
+    "notebooks",
 ]
 nitpicky = True  # a reference that leads nowhere is a warning, and -W makes an error of it
 
@@ -49,6 +51,6 @@ html_theme = "furo"
 html_title = f"freebody {version}"
 html_static_path = ["site/static"]
 html_css_files = ["site.css"]
-html_extra_path = ["site/top", "gallery/made/pages"]
+html_extra_path = ["site/top", "gallery/made/pages", "notebooks/made"]
 html_show_sphinx = html_show_copyright = False
 html_copy_source = False

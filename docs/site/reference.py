@@ -9,17 +9,25 @@ from typing import Any
 
 from docutils import nodes
 from docutils.parsers.rst.states import Inliner
+from numpy.typing import ArrayLike
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import Config, NumpyDocstring
+from sphinx.util.typing import stringify_annotation
 
 import freebody as fb
+from freebody.arrays import Array
 
 EXPERIMENTAL = "## Experimental names"
 ROW = re.compile(r"^\| `fb\.(\w+)` \| (.*) \|$")
 CODE = re.compile(r"(``[^`]+``|`[^`\n]+`)")
 SECTIONS = Config(napoleon_use_param=False, napoleon_use_rtype=False)
 PUBLIC = re.compile(r"fb\.(\w+)(\(\))?")
+SHORT = {
+    stringify_annotation(ArrayLike, "smart"): "~numpy.typing.ArrayLike",
+    stringify_annotation(Array, "smart"): "~numpy.ndarray",
+}
+"""What signatures call the aliases that Python writes out, one of them in a line and a half."""
 
 
 def write_pages(app: Sphinx) -> None:
@@ -84,6 +92,22 @@ def as_markup(
         lines[:] = NumpyDocstring(lines, SECTIONS, app, what, name, obj, options).lines()
 
 
+def short(
+    app: Sphinx,
+    what: str,
+    name: str,
+    obj: object,
+    options: object,
+    signature: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None]:
+    """A signature and what it returns, with the aliases of types by their names."""
+    for spelled_out, alias in SHORT.items():
+        signature = signature and signature.replace(spelled_out, alias)
+        returned = returned and returned.replace(spelled_out, alias)
+    return signature, returned
+
+
 def public_or_code(
     name: str,
     rawtext: str,
@@ -103,8 +127,14 @@ def link_names(app: Sphinx, doctree: nodes.document) -> None:
     """Make links of public names in running text."""
     for code in list(doctree.findall(nodes.literal)):
         named = PUBLIC.fullmatch(code.astext())
-        if named and named[1] in fb.__all__ and not isinstance(code.parent, addnodes.pending_xref):
+        if named and named[1] in fb.__all__ and not _within_link(code):
             code.replace_self(_link(code.deepcopy(), named[1]))
+
+
+def _within_link(node: nodes.Node | None) -> bool:
+    while node and not isinstance(node, (addnodes.pending_xref, nodes.reference)):
+        node = node.parent
+    return node is not None
 
 
 def _link(code: nodes.Node, name: str) -> addnodes.pending_xref:
@@ -119,6 +149,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register with Sphinx, which calls this."""
     app.connect("builder-inited", write_pages)
     app.connect("autodoc-process-docstring", as_markup)
+    app.connect("autodoc-process-signature", short)
     app.connect("doctree-read", link_names)
     app.add_role("public_or_code", public_or_code)
     app.config.default_role = "public_or_code"

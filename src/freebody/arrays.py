@@ -19,6 +19,7 @@ from freebody.errors import (
     OutOfMemoryError,
     ShapeError,
     listed,
+    no_real_numbers,
     shown,
 )
 from freebody.labels import refuse_labelled
@@ -31,19 +32,22 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
     """`value` as float64 array without a copy where possible; refuses text, objects, complex
     numbers and names."""
     refuse_labelled(f"{function}: {argument}", value)
+    array = as_array(function, argument, value)
+    if array.dtype == np.float64:
+        return array
+    if array.dtype.kind not in "iufb":
+        raise FreebodyError(no_real_numbers(f"{function}: {argument}", array))
+    return array.astype(np.float64)
+
+
+def as_array(function: str, argument: str, value: Any) -> np.ndarray[Any, Any]:
+    """`value` as array of whatever it holds; refuses rows of different lengths."""
     try:
-        array = np.asarray(value)
+        return np.asarray(value)
     except ValueError:
         raise FreebodyError(
             f"{function}: {argument} has rows of different lengths; make them equal."
         ) from None
-    if array.dtype == np.float64:
-        return array
-    if array.dtype.kind not in "iufb":
-        raise FreebodyError(
-            f"{function}: {argument} holds {array.dtype} values, expected real numbers."
-        )
-    return array.astype(np.float64)
 
 
 def above_zero(function: str, argument: str, value: float, unit: str = "") -> float:

@@ -4,6 +4,7 @@ instead."""
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 import reprlib
 import sys
@@ -287,6 +288,49 @@ def shown(value: object) -> str:
 _SHOWN = reprlib.Repr()
 _SHOWN.maxstring = _SHOWN.maxother = _SHOWN.maxlong = _LONG
 _SHOWN.maxlist = _SHOWN.maxtuple = _SHOWN.maxdict = 12
+
+
+_HELD = {
+    "U": "text",
+    "T": "text",
+    "S": "bytes",
+    "c": "complex numbers",
+    "M": "dates",
+    "m": "spans of time",
+    "V": "records",
+    "O": "objects",
+}
+"""Words for what an array holds that is no real number, by NumPy's letter for its kind."""
+
+
+def no_real_numbers(where: str, array: Any) -> str:
+    """The sentence that refuses an array, or another library's, because it does not hold real
+    numbers: what it holds, from which entry on, and how to convert what can be."""
+    kind = getattr(array.dtype, "kind", "V")
+    wrong = _first_unreal(array) if kind in "UTSO" else None
+    if wrong is None:
+        said = _HELD.get(kind, f"{array.dtype} values")
+        change = (
+            ".real has their real parts"
+            if kind == "c"
+            else "convert it with numpy.asarray(…, dtype=float)"
+        )
+        return f"{where} holds {said}, expected real numbers; {change}."
+    index, entry = wrong
+    if not index:
+        return f"{where} is {shown(entry)}, expected real numbers."
+    place = index[0] if len(index) == 1 else index
+    return f"{where} holds {shown(entry)} at index {place}, expected real numbers."
+
+
+def _first_unreal(array: Any) -> tuple[tuple[int, ...], object] | None:
+    for index in itertools.product(*map(range, array.shape)):
+        entry = array[index].item() if array.dtype.kind != "O" else array[index]
+        try:
+            float(entry)
+        except (TypeError, ValueError, OverflowError):
+            return index, entry
+    return None
 
 
 def listed(names: Iterable[str], most: int | None = None) -> str:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, no_real_numbers
 
 
 def aligned(
@@ -225,9 +225,7 @@ def _from_mapping(where: str, given: Mapping[str, Any], names: Sequence[str]) ->
     columns = [np.asarray(given[name]) for name in names]
     for name, column in zip(names, columns, strict=True):
         if column.dtype.kind not in "iufb":
-            raise FreebodyError(
-                f"{where}[{name!r}] holds {column.dtype} values, expected real numbers."
-            )
+            raise FreebodyError(no_real_numbers(f"{where}[{name!r}]", column))
     try:
         return np.stack(np.broadcast_arrays(*columns), axis=-1)
     except ValueError:

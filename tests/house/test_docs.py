@@ -20,7 +20,10 @@ from support.robots import KINDS
 ROOT = Path(__file__).parents[2]
 PAGES = (
     sorted(ROOT.glob("*.md"))
-    + sorted(set(ROOT.glob("docs/**/*.md")) - {ROOT / "docs/gallery/index.md"})  # made by the site
+    + sorted(
+        set(ROOT.glob("docs/**/*.md"))
+        - {ROOT / f"docs/{made}/index.md" for made in ("gallery", "notebooks")}
+    )
     + sorted(ROOT.glob("benchmarks/*.md"))
     + sorted(ROOT.glob("proof/*.md"))
 )

@@ -561,7 +561,7 @@ def test_a_dtype_that_is_asked_for_is_computed_with():
     agree(of_kernel(*arrays), found)
     with pytest.raises(fb.FreebodyError, match="dtype='float16'; it can be 'float64' or 'float32'"):
         fb.to_jax(model, "inverse_dynamics", dtype="float16")
-    with pytest.raises(fb.FreebodyError, match="q holds complex128 values, expected real numbers"):
+    with pytest.raises(fb.FreebodyError, match="q holds complex numbers, expected real numbers"):
         single(arrays[0] + 1j, *arrays[1:])
     with jax.enable_x64(False), pytest.raises(fb.FreebodyError, match="makes all numbers float32"):
         fb.to_jax(model, "inverse_dynamics", dtype="float64")

@@ -174,7 +174,7 @@ def test_without_jax_the_error_says_what_to_install():
     [
         (([0.0, 0.0], [0.0, 0.0]), r"2 arguments given, expected 3: q\(2\), qd\(2\), qdd\(2\)"),
         (([0.0], [0.0, 0.0], [0.0, 0.0]), r"q has shape \(1,\), expected \(..., 2\)"),
-        (([1j, 0.0], [0.0, 0.0], [0.0, 0.0]), "q holds complex128 values, expected real numbers"),
+        (([1j, 0.0], [0.0, 0.0], [0.0, 0.0]), "q holds complex numbers, expected real numbers"),
         ((["first", "second"], [0.0, 0.0], [0.0, 0.0]), "q is not an array of numbers"),
         (
             (np.zeros((3, 2)), np.zeros((2, 2)), [0.0, 0.0]),

@@ -23,7 +23,7 @@ from freebody.capacity.torque_parts import torque_parts
 from freebody.design.drive_loads import ChosenDrives
 from freebody.design.duty_cycle import DutyCycle
 from freebody.design.parts import Bearing
-from freebody.errors import listed
+from freebody.errors import KindError, listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
@@ -281,6 +281,10 @@ def largest_payload(
         each = [_in_segment(x, kilogram, name, limits, parts) for x in segments]
         mass, over, time = (np.stack(x) for x in zip(*each, strict=True))
     elif motions is None:
+        if motion is None or isinstance(motion, str):
+            raise KindError(
+                function, "motion", motion, "a Motion, a DutyCycle, or positions q (..., nq)"
+            )
         q = finite_vector(function, model, "q", motion)
         rest = np.zeros((*q.shape[:-1], model.nv))
         mass, over = reached_masses(case, (q, rest, rest))

@@ -162,7 +162,8 @@ def _unforeseen(problem: Exception) -> int:
     if wording is not None:
         text = wording().replace("Value error, ", "").rstrip(".")
         command = getattr(getattr(problem, "ctx", None), "command_path", None) or "freebody"
-        return terminal.error(f"{text}. See {command} --help.")
+        stop = "" if text.endswith("?") else "."
+        return terminal.error(f"{text}{stop} See {command} --help.")
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
     if isinstance(problem, MemoryError):

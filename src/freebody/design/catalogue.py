@@ -7,7 +7,6 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from importlib import resources
-from pathlib import Path
 from typing import Any, TypeVar
 
 from freebody.by_value import ByValue
@@ -110,13 +109,14 @@ def catalogue(path: str | os.PathLike[str]) -> PartCatalogue:
         What cannot be read, a row that lacks a number, or has one that no such part has, with the
         row's name and line.
     """
-    if os.fspath(path) == INVENTED:
+    given = read_file.path_of("catalogue", "path", path, f"a TOML file, or {INVENTED!r}")
+    if given == INVENTED:
         source = f"{INVENTED}.toml"
         at = resources.files("freebody").joinpath("design", "catalogues", source)
         text = at.read_text(encoding="utf-8")
     else:
-        source = str(path)
-        data = read_file.read(Path(path), what="a catalogue")
+        source = given
+        data = read_file.read(given, what="a catalogue")
         text = read_file.decoded(source, data)
     return _read(table_of(source, text).only("note", "motor", "gear", "bearing"))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -218,7 +218,7 @@ class DutyCycle(Tabled, ByValue):
         `Model.with_payload`; `wrench`,
         tables with `frame`, `force` and `moment`; `dwell` in s. Raises FileError with the line.
         """
-        file = Path(path)
+        file = Path(read_file.path_of("DutyCycle.read", "path", path, "a TOML file"))
         text = read_file.decoded(str(file), read_file.read(file, what="a duty cycle"))
         top = table_of(str(file), text).only("segment")
         places = TipPlaces(model)
@@ -342,7 +342,7 @@ def duty_cycles(function: str, model: Model, given: Cycles) -> tuple[DutyCycle, 
     """The duty cycles of a model that a function was given; their motions fit the model."""
     alone = isinstance(given, DutyCycle | Segment | Motion)
     several: Any = (given,) if alone else given
-    if isinstance(several, str | os.PathLike) or not hasattr(several, "__iter__"):
+    if isinstance(several, str | os.PathLike) or not isinstance(several, Iterable):
         raise KindError(function, "cycles", given, "a DutyCycle, a Motion, or a list of these")
     found = tuple(
         one if isinstance(one, DutyCycle) else DutyCycle((one,))

@@ -118,7 +118,7 @@ def doctor(
         A name that is not known, or an option that does not fit.
     """
     how = ReadingOptions.of(_SNAP, convention, package_path, xacro, xacro_environment)
-    given = os.fspath(path)
+    given = read_file.path_of("doctor", "path", path, "a robot's file")
     suffix = Path(given).suffix.lower()
     packages = packages_around(given, how.package_path)
     if suffix in (".urdf", ".xml"):

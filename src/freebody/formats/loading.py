@@ -356,10 +356,7 @@ def _arguments(given: object) -> dict[str, object]:
 
 def _path(source: object) -> str:
     """The path or name as text; refuses a description passed in place of a file's name."""
-    if not isinstance(source, str | os.PathLike) or isinstance(given := os.fspath(source), bytes):
-        raise FreebodyError(
-            f"load: expected a path or a model's name, not {type(source).__name__}."
-        )
+    given = read_file.path_of("load", "source", source, "a robot's file, or a model's name")
     if given.lstrip().startswith("<") or "\n" in given:
         kind = "urdf" if given.lstrip().startswith("<") else "toml"
         raise FreebodyError(

@@ -15,7 +15,7 @@ import stat
 from importlib import resources
 from pathlib import Path
 
-from freebody.errors import FileError, likely, shown
+from freebody.errors import FileError, KindError, likely, shown
 from freebody.model.parameters import LARGEST
 
 LARGEST_FILE = 32 * 2**20
@@ -43,6 +43,13 @@ def read(
     if b"\0" in data.rstrip(b"\0") and not wide:
         raise FileError(Path(path), None, "the file is binary, not text.")
     return data
+
+
+def path_of(function: str, argument: str, given: object, what: str) -> str:
+    """The path that a function was given, as text; refuses what is none. what: of which file."""
+    if not isinstance(given, str | os.PathLike) or isinstance(path := os.fspath(given), bytes):
+        raise KindError(function, argument, given, f"the path of {what}")
+    return path
 
 
 def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:

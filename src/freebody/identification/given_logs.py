@@ -4,7 +4,7 @@ torques without what the model knows."""
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +22,10 @@ Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
 
 def read_logs(function: str, argument: str, given: Logs, model: Model) -> list[Log]:
     """The logs of an argument, those that are files read."""
-    several = [given] if isinstance(given, Log | str | os.PathLike) else list(given)
+    alone = isinstance(given, Log | str | os.PathLike)
+    if not alone and not isinstance(given, Iterable):
+        raise KindError(function, argument, given, "logs of fb.read_log, or their files")
+    several = [given] if alone else list(given)
     for x in several:
         if not isinstance(x, Log | str | os.PathLike):
             raise KindError(function, argument, x, "a log of fb.read_log, or its file")

@@ -3,7 +3,7 @@ a frame's motion, and how many rows a robot's joints can serve."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 from freebody.algorithms.inverse_rates import wrench_rows
@@ -18,7 +18,8 @@ def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
     """The names given in a call, one or several, as a tuple."""
     if isinstance(given, str):
         return (given,)
-    if not isinstance(given, (list, tuple)):
+    listed = isinstance(given, (list, tuple)) and all(isinstance(x, Hashable) for x in given)
+    if not listed:
         raise KindError(function, argument, given, "a name or a list of names")
     return tuple(given)
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import check_core, too_large
-from freebody.errors import FreebodyError, ShapeError, shown
+from freebody.arrays import as_array, check_core, too_large
+from freebody.errors import FreebodyError, ShapeError, no_real_numbers, shown
 from freebody.program.program import Argument, Program
 from freebody.targets.target import KernelError
 
@@ -32,10 +32,8 @@ def require_count(function: str, given: Sequence[Any], inputs: Sequence[Argument
 
 def require_real(function: str, argument: Argument, given: Any, wanted: Any) -> None:
     """Refuse numbers of a type that is not converted to the kernel's."""
-    if not np.can_cast(given, wanted, "same_kind"):
-        raise KernelError(
-            f"{function}: {argument.name} holds {given} values, expected real numbers."
-        )
+    if not np.can_cast(given.dtype, wanted, "same_kind"):
+        raise KernelError(no_real_numbers(f"{function}: {argument.name}", given))
 
 
 def common_batch(
@@ -64,11 +62,12 @@ def explained(
         return too_large(
             program.name, dict(zip(names, map(np.asarray, arrays), strict=True)), problem
         )
-    name, inputs, given = program.name, program.inputs, [np.asarray(x) for x in arrays]
+    name, inputs = program.name, program.inputs
     try:
-        require_count(name, given, inputs)
+        require_count(name, arrays, inputs)
+        given = [as_array(name, x.name, array) for x, array in zip(inputs, arrays, strict=True)]
         for array, argument in zip(given, inputs, strict=True):
-            require_real(name, argument, array.dtype, dtype)
+            require_real(name, argument, array, dtype)
         batch = common_batch(name, inputs, given)
     except FreebodyError as fault:
         return fault

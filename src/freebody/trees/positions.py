@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, too_large
-from freebody.errors import FreebodyError, MissingValueError
+from freebody.arrays import Array, as_floats, is_count, too_large
+from freebody.errors import FreebodyError, KindError, MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
 from freebody.model.families import FamilyError, arrays_in
@@ -69,6 +69,8 @@ def random_state(
     require_model("random_state", model)
     if arrays_in(tuple(body.joint.limits for body in model.bodies)):
         raise FamilyError("random_state", model.name, model.family)
+    if seed is not None and not is_count(seed, 0):
+        raise KindError("random_state", "seed", seed, "a whole number from 0 up, or None")
     try:
         return _states(model, seed, batch, _usable(model))
     except (MemoryError, ValueError) as problem:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import MissingPackageError, warn
+from freebody.errors import MissingPackageError, no_real_numbers, warn
 from freebody.kernels.parameter_inputs import InputKernel, KernelInputs
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
@@ -198,9 +198,7 @@ def _common(program: Program, arrays: Sequence[Any]) -> Any:
             or jnp.issubdtype(x.dtype, jnp.integer)
             or x.dtype == bool
         ):
-            raise KernelError(
-                f"{program.name}: {argument.name} holds {x.dtype} values, expected real numbers."
-            )
+            raise KernelError(no_real_numbers(f"{program.name}: {argument.name}", x))
     kind = jnp.result_type(*arrays) if arrays else jnp.dtype(bool)
     if not jnp.issubdtype(kind, jnp.floating):
         return jnp.zeros(()).dtype

@@ -251,14 +251,14 @@ def test_wrong_arguments_are_named(target, width):
         (
             (x + 0j, A, s),
             fb.FreebodyError,
-            r"random0: x holds complex128 values, expected real numbers\.",
+            r"random0: x holds complex numbers, expected real numbers; .real has",
         ),
         (
             (x.astype(object), A, s),
             fb.FreebodyError,
-            r"random0: x holds object values, expected real numbers\.",
+            r"random0: x holds objects, expected real numbers; convert",
         ),
-        ((x.astype(str), A, s), fb.FreebodyError, r"x holds <U\d+ values"),
+        ((x.astype(str), A, s), fb.FreebodyError, r"x holds text, expected"),
         (
             (x, A[:3], s),
             fb.FreebodyError,

@@ -57,7 +57,8 @@ def test_refusals_are_those_of_a_kernel():
         ("coriolis_matrix: 1 arguments given, expected 2: q(2), qd(2).", lambda: kernel(q)),
         ("coriolis_matrix: qd has shape (3,), expected (..., 2).", lambda: kernel(q, np.zeros(3))),
         (
-            "coriolis_matrix: q holds complex128 values, expected real numbers.",
+            "coriolis_matrix: q holds complex numbers, expected real numbers; .real has their real "
+            "parts.",
             lambda: kernel(q + 0j, q),
         ),
         (

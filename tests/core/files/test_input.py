@@ -108,8 +108,14 @@ def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path, reader: str):
 def test_names_that_no_file_can_have():
     assert refusal(lambda: fb.load("a\0b.urdf")).endswith("there is no such file.")
     assert "the file cannot be read" in refusal(lambda: fb.load("x" * 300 + ".urdf"))
-    assert refusal(lambda: fb.load(3)) == "load: expected a path or a model's name, not int."
-    assert refusal(lambda: fb.load(b"2R")) == "load: expected a path or a model's name, not bytes."
+    assert (
+        refusal(lambda: fb.load(3))
+        == "load: source is int 3, expected the path of a robot's file, or a model's name."
+    )
+    assert (
+        refusal(lambda: fb.load(b"2R"))
+        == "load: source is bytes b'2R', expected the path of a robot's file, or a model's name."
+    )
 
 
 def test_text_instead_of_a_path():

@@ -144,3 +144,34 @@ def test_warnings_point_at_the_caller():
     with pytest.warns(fb.FreebodyWarning) as second:
         fb.inverse_acceleration(ARM, near, still, along, damping=0.05)
     assert [warning.filename for warning in (*first, *second)] == [__file__] * 2
+
+
+# ---------------------------------------------------------------- arguments of another kind
+OF_ANOTHER_KIND: list[tuple[Callable[[Any], Any], str]] = [
+    (lambda x: fb.catalogue(x), "catalogue: path is {}, expected the path of a TOML file"),
+    (lambda x: fb.doctor(x), "doctor: path is {}, expected the path of a robot's file"),
+    (lambda x: fb.load(x), "load: source is {}, expected the path of a robot's file"),
+    (lambda x: fb.read_motion(ARM, x), "read_motion: path is {}, expected the path of a CSV file"),
+    (lambda x: fb.read_waypoints(ARM, x), "read_waypoints: path is {}, expected the path of a CSV"),
+    (
+        lambda x: fb.DutyCycle.read(ARM, x),
+        "DutyCycle.read: path is {}, expected the path of a TOML",
+    ),
+    (lambda x: fb.identify(ARM, x), "identify: logs is {}, expected logs of fb.read_log"),
+    (lambda x: fb.size(ARM, x, fb.catalogue("invented")), "size: cycles is {}, expected a DutyCyc"),
+    (lambda x: fb.random_state(ARM, x), "random_state: seed is {}, expected a whole number from 0"),
+    (lambda x: fb.kernel(ARM, x), "fb.kernel: names is {}, expected a name or a list of names"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(OF_ANOTHER_KIND)))
+def test_another_kind_of_argument_is_named_with_what_is_expected(case: int):
+    function, words = OF_ANOTHER_KIND[case]
+    for given, what in ((-0.5, "float -0.5"), (ARM, f"Model {ARM!r}")):
+        with pytest.raises(KindError, match=re.escape(words.format(what))):
+            function(given)
+
+
+def test_what_is_no_motion_is_not_taken_for_positions():
+    with pytest.raises(KindError, match="payload: motion is None, expected a Motion"):
+        fb.payload(ARM, None, effort=[50.0, 20.0])  # pyright: ignore[reportArgumentType]

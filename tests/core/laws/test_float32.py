@@ -162,9 +162,9 @@ def test_other_real_types_are_converted():
     assert same_bits(kernel(*(x.astype(np.int64) for x in ones)), kernel(*ones))
     one = [given[0][0], given[1][0], given[2][0], given[3]]
     assert same_bits(kernel(*(np.asarray(x, dtype=np.float64) for x in one)), kernel(*one))
-    with pytest.raises(KernelError, match="mixed: x holds complex64 values, expected real numbers"):
+    with pytest.raises(KernelError, match="mixed: x holds complex numbers, expected real numbers"):
         kernel(given[0] + 1j, *given[1:])
-    with pytest.raises(KernelError, match="x holds <U1 values"):
+    with pytest.raises(KernelError, match=r"x holds 'a' at index \(0, 0\)"):
         kernel(np.full((9, 3), "a"), *given[1:])
 
 

@@ -119,13 +119,20 @@ def test_not_finite(function: Callable, names: tuple[str, ...], k: int):
 @pytest.mark.parametrize(
     ("value", "what"),
     [
-        (np.array([1j, 0]), "holds complex128 values, expected real numbers."),
-        (np.array([None, 0.0]), "holds object values, expected real numbers."),
-        (None, "holds object values, expected real numbers."),
-        (["a", "b"], "holds <U1 values, expected real numbers."),
+        (
+            np.array([1j, 0]),
+            "holds complex numbers, expected real numbers; .real has their real parts.",
+        ),
+        (np.array([None, 0.0]), "holds None at index 0, expected real numbers."),
+        (None, "is None, expected real numbers."),
+        ([0.5, "b"], "holds 'b' at index 1, expected real numbers."),
+        (
+            ["0.5", "1"],
+            "holds text, expected real numbers; convert it with numpy.asarray(…, dtype=float).",
+        ),
         ([[1.0, 2.0], [3.0]], "has rows of different lengths; make them equal."),
     ],
-    ids=["complex", "object", "None", "text", "ragged"],
+    ids=["complex", "object", "None", "text", "numbers in text", "ragged"],
 )
 def test_not_real_numbers(
     function: Callable, names: tuple[str, ...], k: int, value: Any, what: str
@@ -185,7 +192,7 @@ def test_dict_of_names():
         lambda: fb.inverse_dynamics(ARM, {"joint1": 0, "joint2": NAN}, Z, Z),
     )
     says(
-        "inverse_dynamics: q['joint2'] holds <U1 values, expected real numbers.",
+        "inverse_dynamics: q['joint2'] is 'x', expected real numbers.",
         lambda: fb.inverse_dynamics(ARM, {"joint1": 0, "joint2": "x"}, Z, Z),
     )
     says(

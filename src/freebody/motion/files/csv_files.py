@@ -17,6 +17,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import UnknownNameError
+from freebody.formats import read_file
 from freebody.model.model import Model
 from freebody.model.shafts import shaft_names
 from freebody.motion.files.csv_columns import CsvColumns, quoted, read_columns
@@ -45,7 +46,7 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     Noisy positions given with rates are adjusted to the rates; a rate below a millionth of the
     fastest of its kind is rest. Raises FileError with the line.
     """
-    file = Path(path)
+    file = Path(read_file.path_of("read_motion", "path", path, "a CSV file"))
     read = read_columns(model, file)
 
     check_names(model, read.header, read.refusal)
@@ -73,7 +74,7 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
     perhaps with `t`, units as in `read_motion`; then a row for each waypoint. For `quintic`,
     `spline` and the like. Raises FileError with the line.
     """
-    file = Path(path)
+    file = Path(read_file.path_of("read_waypoints", "path", path, "a CSV file"))
     read = read_columns(model, file, timed=False, what="a file of waypoints")
 
     rates = [name for name in read.header if name[:-2] in model.position_names]

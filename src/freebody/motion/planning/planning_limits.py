@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array, as_floats
+from freebody.arrays import Array, as_array, as_floats
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
 from freebody.model.doubt_rules.aspects import EFFORTS, RANGES, SPEEDS
 from freebody.model.doubts import doubts_used
@@ -104,7 +104,7 @@ def planning_limits(
 def _read(function: str, model: Model, name: str, value: Limit) -> Array:
     if value is None:
         return np.full(model.nv, np.inf)
-    if not isinstance(value, Mapping) and np.ndim(value) == 0:
+    if not isinstance(value, Mapping) and as_array(function, name, value).ndim == 0:
         led = np.isin(np.arange(model.nv), model.passive if model.loops else ())
         value = np.where(led, np.inf, as_floats(function, name, value))
     array = vector(function, model, name, value)

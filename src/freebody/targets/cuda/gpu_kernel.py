@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from freebody.arrays import as_array
 from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
 from freebody.targets.call_errors import common_batch, require_count, require_real
@@ -102,8 +103,8 @@ class GpuKernel(Kernel):
 
     def _hosted(self, argument: Argument, value: Any) -> np.ndarray:
         """An array of the host in the kernel's number type and C order."""
-        array = np.asarray(value)
-        require_real(self.program.name, argument, array.dtype, self.dtype)
+        array = as_array(self.program.name, argument.name, value)
+        require_real(self.program.name, argument, array, self.dtype)
         return np.ascontiguousarray(array, self.dtype).reshape(array.shape)
 
     def _batch(self, given: Sequence[np.ndarray | DeviceView]) -> tuple[int, ...]:
