@@ -182,7 +182,7 @@ _PLACES = {
     "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
     "freebody.report.cycle_study": ("CycleStudy",),
-    "freebody.report.comparison": ("Comparison", "compare"),
+    "freebody.report.comparison": ("StudyComparison", "compare"),
     "freebody.capacity.payload": ("payload",),
     "freebody.capacity.load_diagram": ("load_diagram",),
 }

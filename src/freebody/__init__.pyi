@@ -110,7 +110,7 @@ from freebody.reach.ellipsoids import ellipsoids as ellipsoids
 from freebody.reach.natural_frequencies import natural_frequencies as natural_frequencies
 from freebody.reach.payload_map import payload_map as payload_map
 from freebody.reach.workspace import workspace as workspace
-from freebody.report.comparison import Comparison as Comparison
+from freebody.report.comparison import StudyComparison as StudyComparison
 from freebody.report.comparison import compare as compare
 from freebody.report.cycle_study import CycleStudy as CycleStudy
 from freebody.report.study import Study as Study

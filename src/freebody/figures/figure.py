@@ -21,7 +21,7 @@ WIDE, TALL = 400.0, 380.0
 
 
 class Pictured:
-    """What has a picture: it shows itself in a notebook, and is saved as SVG or PDF."""
+    """A base class for results with a picture, shown in notebooks and saved as SVG or PDF."""
 
     caller: str
     """The function that made it, for errors."""

@@ -36,7 +36,7 @@ _SAME = 1e-9
 """rad, m: motions that differ by less are the same."""
 
 
-class Given(NamedTuple):
+class CaseRow(NamedTuple):
     """Something of which studies are made, in words, study by study."""
 
     what: str
@@ -58,7 +58,7 @@ class Compared:
     title: str
     variable: str
     unit: str
-    """Of a drive that turns and of one that slides."""
+    """The unit of a drive that turns, and behind a stroke that of one that slides."""
 
     def text(self, study: Study, drive: str) -> str:
         """The quantity of one drive with its unit; a dash where it has none."""
@@ -76,7 +76,7 @@ class Compared:
         return float(study.summary[self.variable].sel(coordinate=drive)) if drive else math.nan
 
 
-QUANTITIES = (
+_QUANTITIES = (
     Compared("peak torque", "peak_torque", "N m|N"),
     Compared("RMS torque", "rms_torque", "N m|N"),
     Compared("peak, of its limit", "effort_fraction", "%"),
@@ -85,19 +85,18 @@ QUANTITIES = (
     Compared("peak power", "peak_power", "W"),
     Compared("work done", "work_done", "J"),
 )
-"""What the drives are compared by."""
+"""Drives are compared by these quantities."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Tabled):
+class StudyComparison(Tabled):
     """Studies beside each other."""
 
     names: tuple[str, ...]
-    """What the studies are called, in their order."""
+    """The names of the studies, in their order."""
     studies: tuple[Study, ...]
-    differences: tuple[Given, ...]
-    """What differs in the robots, their loads and their motions, in words; empty where nothing
-    does."""
+    differences: tuple[CaseRow, ...]
+    """The differences of the robots, their loads and their motions, in words."""
     drives: tuple[DriveRow, ...]
     by_order: bool
     """Whether drives stand beside each other by their order, since their names are unlike."""
@@ -109,7 +108,7 @@ class Comparison(Tabled):
         rows: list[tuple[str, ...]] = [(one.what, *one.each) for one in self.differences]
         rows += [("verdict", *(study.verdict.heading for study in self.studies))]
         rows += [(one.what, *one.each) for one in self.answers]
-        for quantity in QUANTITIES[:1]:
+        for quantity in _QUANTITIES[:1]:
             rows += [
                 (f"{quantity.title} of {row.name}", *self.texts(quantity, row))
                 for row in self.drives
@@ -118,16 +117,16 @@ class Comparison(Tabled):
 
     @property
     def quantities(self) -> tuple[Compared, ...]:
-        """What the drives are compared by: torques, speeds, power and work."""
-        return QUANTITIES
+        """The quantities that drives are compared by: torques, speeds, power and work."""
+        return _QUANTITIES
 
     @property
-    def answers(self) -> tuple[Given, ...]:
+    def answers(self) -> tuple[CaseRow, ...]:
         """The rows of the studies' cards beside each other."""
         rows = [study.card.rows for study in self.studies]
         labels = ("carries", "can be run", "gives out first")
         return tuple(
-            Given(label, tuple(f"{own[k].value} {own[k].unit}".strip() for own in rows))
+            CaseRow(label, tuple(f"{own[k].value} {own[k].unit}".strip() for own in rows))
             for k, label in enumerate(labels)
         )
 
@@ -163,6 +162,19 @@ class Comparison(Tabled):
                 return False
         return True
 
+    @property
+    def together(self) -> DriveRow:
+        """The row of all drives of each robot together."""
+        return DriveRow("Power of all drives", ("all",) * len(self.studies))
+
+    def limits(self, row: DriveRow) -> set[float]:
+        """The effort limits of one row of drives (N m, N); infinite ones where there is none."""
+        return {
+            float(ranges(study.model).effort[study.model.velocity_names.index(drive)])
+            for study, drive in zip(self.studies, row.of, strict=True)
+            if drive
+        }
+
     def over_time(
         self, row: DriveRow, values: Callable[[Study, str], Array]
     ) -> tuple[Array, dict[str, Array]]:
@@ -191,7 +203,7 @@ class Comparison(Tabled):
         return write(path, pdf(comparison_page(self)))
 
 
-def compare(studies: Mapping[str, Study] | Sequence[Study]) -> Comparison:
+def compare(studies: Mapping[str, Study] | Sequence[Study]) -> StudyComparison:
     """Studies beside each other: other loads, other designs, other robots.
 
     Parameters
@@ -203,7 +215,7 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> Comparison:
 
     Returns
     -------
-    Comparison
+    StudyComparison
         What differs, verdicts, answers and the drives' needs; `.to_html("comparison.html")` has the
         curves over each other. Drives stand beside each other by name, and where the names are
         unlike in their order, which it says.
@@ -231,21 +243,21 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> Comparison:
     names = tuple(map(str, studies)) if isinstance(studies, Mapping) else _called(given)
     differences = tuple(one for one in _given(given) if len(set(one.each)) > 1)
     drives, by_order = _beside(given)
-    return Comparison(names, tuple(given), differences, drives, by_order)
+    return StudyComparison(names, tuple(given), differences, drives, by_order)
 
 
-def _given(studies: Sequence[Study]) -> list[Given]:
-    """Of which the studies are made, in words."""
+def _given(studies: Sequence[Study]) -> list[CaseRow]:
+    """The robots, loads and motions of the studies, in words."""
     cases = [study.load_case.words for study in studies]
     kinds = ("load", "wrenches", "mounting", "parts", "tip", "changed")
     return [
-        Given("robot", tuple(study.model.name for study in studies)),
-        Given("joints", tuple(counted(len(s.model.driven_names), "drive") for s in studies)),
-        Given("mass", tuple(f"{float(s.model.mass):.4g} kg" for s in studies)),
-        *(Given(kind, tuple(case.get(kind, "–") for case in cases)) for kind in kinds),
-        Given("motion", tuple(_motion_words(study, studies[0]) for study in studies)),
-        Given("pace", tuple(f"{study.speed:.4g} times as given" for study in studies)),
-        Given("duration", tuple(f"{study.motion.duration:.4g} s" for study in studies)),
+        CaseRow("robot", tuple(study.model.name for study in studies)),
+        CaseRow("joints", tuple(counted(len(s.model.driven_names), "drive") for s in studies)),
+        CaseRow("mass", tuple(f"{float(s.model.mass):.4g} kg" for s in studies)),
+        *(CaseRow(kind, tuple(case.get(kind, "–") for case in cases)) for kind in kinds),
+        CaseRow("motion", tuple(_motion_words(study, studies[0]) for study in studies)),
+        CaseRow("pace", tuple(f"{study.speed:.4g} times as given" for study in studies)),
+        CaseRow("duration", tuple(f"{study.motion.duration:.4g} s" for study in studies)),
     ]
 
 
@@ -290,8 +302,3 @@ def _beside(studies: Sequence[Study]) -> tuple[tuple[DriveRow, ...], bool]:
         of = tuple(own[k] if k < len(own) else "" for own in drives)
         rows.append(DriveRow(" / ".join(filter(None, of)), of))
     return tuple(rows), True
-
-
-def effort_limit(study: Study, drive: str) -> float:
-    """The effort limit of a drive (N m, N); infinite without one."""
-    return float(ranges(study.model).effort[study.model.velocity_names.index(drive)])

@@ -11,21 +11,15 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.figures.plots import Plot, plot
-from freebody.report.comparison import (
-    QUANTITIES,
-    Compared,
-    Comparison,
-    DriveRow,
-    Given,
-    effort_limit,
-)
 from freebody.report.page import filled
 from freebody.report.page_figures import CaptionedDrawing, robot
-from freebody.report.study import Study
 from freebody.report.tables import Cell, Head, ReportTable, WordsCell, table, typeset
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from freebody.report.comparison import Compared, StudyComparison, DriveRow, CaseRow
+    from freebody.report.study import Study
 
 _CONTENTS = (
     ("differences", "What differs"),
@@ -38,10 +32,10 @@ _CONTENTS = (
 )
 
 
-def comparison_page(found: Comparison) -> str:
+def comparison_page(found: StudyComparison) -> str:
     """The HTML text of a comparison's page."""
     pairs = list(zip(found.names, found.studies, strict=True))
-    alike = [one.title for one in QUANTITIES if found.alike(one)]
+    alike = [one.title for one in found.quantities if found.alike(one)]
     return filled(
         "comparison.html",
         found=found,
@@ -51,7 +45,7 @@ def comparison_page(found: Comparison) -> str:
         answers=_words("What each can do on its path", found, found.answers),
         verdicts=pairs,
         robots=[(name, robot(study)) for name, study in pairs],
-        drives=[_drives(found, one) for one in QUANTITIES if one.title not in alike],
+        drives=[_drives(found, one) for one in found.quantities if one.title not in alike],
         alike=listed(alike),
         torques=list(_over_time(found, "tau", "effort_unit", limited=True)),
         speeds=list(_over_time(found, "qd", "unit", suffix="/s")),
@@ -59,18 +53,18 @@ def comparison_page(found: Comparison) -> str:
     )
 
 
-def _words(caption: str, found: Comparison, given: Sequence[Given]) -> ReportTable:
+def _words(caption: str, found: StudyComparison, given: Sequence[CaseRow]) -> ReportTable:
     """A table of words, a column a study."""
     subjects = [WordsCell(one.what, strong=True) for one in given]
     columns = [[WordsCell(typeset(one.each[k])) for one in given] for k in range(len(found.names))]
     return table(caption, _heads(found), [subjects, *columns])
 
 
-def _heads(found: Comparison, numbers: bool = False) -> list[Head]:
+def _heads(found: StudyComparison, numbers: bool = False) -> list[Head]:
     return [Head("", number=False), *(Head(name, number=numbers) for name in found.names)]
 
 
-def _drives(found: Comparison, quantity: Compared) -> ReportTable:
+def _drives(found: StudyComparison, quantity: Compared) -> ReportTable:
     """The table of one quantity of all drives."""
     texts = [found.texts(quantity, row) for row in found.drives]
     names: list[Cell] = [WordsCell(row.name, strong=True) for row in found.drives]
@@ -82,7 +76,7 @@ def _drives(found: Comparison, quantity: Compared) -> ReportTable:
 
 
 def _over_time(
-    found: Comparison, variable: str, unit: str, suffix: str = "", limited: bool = False
+    found: StudyComparison, variable: str, unit: str, suffix: str = "", limited: bool = False
 ) -> Iterator[CaptionedDrawing]:
     """Plots of a variable of each drive, a curve a study."""
 
@@ -96,24 +90,24 @@ def _over_time(
         }
         if len(units) > 1:
             continue  # a turn beside a slide: no one axis has both
-        limits = {effort_limit(study, drive) for study, drive in _having(found, row)}
+        limits = found.limits(row)
         same = limited and len(limits) == 1 and np.isfinite(next(iter(limits)))
         bounds = (-min(limits), min(limits)) if same else ()
         yield _plot(found, row, row.name, units.pop() + suffix, values, bounds)
 
 
-def _having(found: Comparison, row: DriveRow) -> list[tuple[Study, str]]:
+def _having(found: StudyComparison, row: DriveRow) -> list[tuple[Study, str]]:
     return [pair for pair in zip(found.studies, row.of, strict=True) if pair[1]]
 
 
-def _power(found: Comparison) -> list[CaptionedDrawing]:
+def _power(found: StudyComparison) -> list[CaptionedDrawing]:
     """The plot of the power of all drives together, a curve a study."""
-    every = DriveRow("Power of all drives", ("all",) * len(found.studies))
+    every = found.together
     return [_plot(found, every, every.name, "W", lambda study, _: study.data["motor_power"].values)]
 
 
 def _plot(
-    found: Comparison, row: DriveRow, title: str, unit: str,
+    found: StudyComparison, row: DriveRow, title: str, unit: str,
     values: Callable[[Study, str], Array], limits: tuple[float, ...] = (),
 ) -> CaptionedDrawing:  # fmt: skip
     t, curves = found.over_time(row, values)

@@ -56,7 +56,7 @@ class CaptionedDrawing:
 
     @property
     def title(self) -> str:
-        """What it shows in a word or two: a body, a joint, a quantity."""
+        """A name for the drawing: of a body, a joint or a quantity."""
         return self.body or (self.picture.title if self.plot is None else self.plot.title)
 
     @property

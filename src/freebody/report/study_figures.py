@@ -31,7 +31,7 @@ class StudyFigure(Titled, Pictured):
     panels: tuple[Picture, ...]
     """The drawings by themselves."""
     titles: tuple[str, ...]
-    """What each panel shows: a joint, a body, a quantity."""
+    """The names of the panels: joints, bodies or quantities."""
     captions: tuple[str, ...]
     """A sentence for each panel that has one."""
     caller = "study.figure"
