@@ -18,7 +18,7 @@ from freebody.report.tables import Cell, Head, ReportTable, WordsCell, table, ty
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from freebody.report.comparison import Compared, StudyComparison, DriveRow, CaseRow
+    from freebody.report.comparison import CaseRow, Compared, DriveRow, StudyComparison
     from freebody.report.study import Study
 
 _CONTENTS = (
