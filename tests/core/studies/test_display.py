@@ -105,7 +105,7 @@ PLAIN = {
     "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
     "Members", "LawNumber", "DriveLaw", "Motor", "Gear", "Bearing", "Segment", "RejectedPair",
     "TextTable", "PayloadNumber", "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
-    "DoubtKind",  # records with a sentence in them
+    "DoubtKind", "Compared",  # records with a sentence in them
     "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",
     "Cells", "ColourKey",  # elements of a drawing
     "Drawing", "Picture", "BodyLoads", "Layout", "Order", "Tree", "Structure", "Geometry",
