@@ -254,7 +254,7 @@ def test_what_contributing_names_is_there():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     files = [
         p
-        for part in ("src", "tests", "tools", "benchmarks", ".ci")
+        for part in ("src", "tests", "tools", "benchmarks", "docs", ".ci")
         for p in (ROOT / part).rglob("*")
     ]
     parts = [path.relative_to(ROOT).parts for path in files]

@@ -61,7 +61,7 @@ del os.sched_getaffinity
 """
 """Takes away what Pyodide does not have under WebAssembly, in the words in which it refuses."""
 
-ELSEWHERE = ("study", "singularity_loci")
+ELSEWHERE = ("study", "compare", "singularity_loci")
 """Functions that take long, and that what else is walked, or has a test of its own, calls."""
 
 LOOPS = ("assemble", "loop_velocity", "loop_acceleration", "input_output")

@@ -329,7 +329,7 @@ def test_what_is_refused():
         fb.Segment(motion, True)
     with pytest.raises(fb.FreebodyError, match="expected real numbers"):
         fb.Segment(motion, wrenches={"tip": "up"})
-    with pytest.raises(fb.FreebodyError, match="life holds"):
+    with pytest.raises(fb.FreebodyError, match="life is 'long'"):
         fb.drive_loads(arm, motion, {"joint1": (MOTOR, GEAR)}, life="long")  # type: ignore[arg-type]
     with pytest.raises(fb.FreebodyError, match="there is no joint to choose a drive for"):
         fb.size(arm, motion, fb.catalogue("invented"), joints=[])

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import FreebodyError
+from support.command import run
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -107,7 +106,7 @@ def test_the_page_stands_alone_and_names_are_text(empty, loaded, tmp_path):
     ],
 )
 def test_what_cannot_be_compared_is_refused(empty, studies, said):
-    with pytest.raises(FreebodyError, match=said):
+    with pytest.raises(fb.FreebodyError, match=said):
         fb.compare(studies(empty))
 
 
