@@ -59,11 +59,11 @@ def test_panels_are_chosen_by_their_titles_in_the_order_given(study):
 
 def test_what_is_not_there_is_refused_with_what_is(study, tmp_path):
     with pytest.raises(
-        fb.UnknownNameError, match=r"no figure 'torque' in a study. Did you mean 'tor"
+        fb.UnknownNameError, match=r"no figure 'torque' in a study"
     ):
         study.figure("torque")
     with pytest.raises(
-        fb.UnknownNameError, match=r"no panel 'elbow' in the figure 'torques'. Panels"
+        fb.UnknownNameError, match=r"no panel 'elbow' in the figure 'torques'"
     ):
         study.figure("torques", "elbow")
     with pytest.raises(fb.FreebodyError, match="there is nothing to draw"):
