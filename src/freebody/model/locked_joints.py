@@ -4,7 +4,7 @@ on."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from freebody.errors import ModelError, UnknownNameError, listed
@@ -12,11 +12,13 @@ from freebody.model.families import one_family
 from freebody.model.parameters import finite
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import parents_first
+from freebody.model.tree import Attached, parents_first
 from freebody.outputs.number_text import compared
 from freebody.spatial import of_dimension
 
 if TYPE_CHECKING:
+    from freebody.model.bodies import Body, Frame
+    from freebody.model.description import Joint
     from freebody.model.model import Model
 
 _WHERE = "with_locked"
@@ -25,57 +27,92 @@ _WHERE = "with_locked"
 def with_locked(model: Model, positions: Mapping[str, Any]) -> Model:
     """The model without the coordinates of some joints; see `Model.with_locked`."""
     values = _checked(model, positions)
-    moves: dict[int, float] = {}
-    for k, at in enumerate(model.coordinates):
-        if at.q and at.q[0] in values:
-            q = tuple(values.get(i, 0.0) for i in range(model.nq))
-            (moves[k],) = at.position(q)
-    if not moves:
+    if not values:
         return model
-    kept = [k for k in range(len(model.bodies)) if k not in moves]
-    index = {-1: -1} | {k: i for i, k in enumerate(kept)}
-    on, seen = {-1: -1}, {-1: Placement()}
-    """The body that carries each body, itself unless it is locked, and where it is on that."""
-    for k in parents_first(model.bodies):
-        body = model.bodies[k]
-        on[k], seen[k] = k, Placement()
-        if k in moves:
-            on[k] = on[body.parent]
-            at = body.joint.placement.then(_moved(model, k, moves[k]))
-            seen[k] = seen[body.parent].then(at)
-    parts = {k: list(model.bodies[k].inertias) for k in kept} | {-1: list(model.base_inertias)}
-    for k in moves:
-        parts[on[k]] += [
-            replace(part, placement=seen[k].then(part.placement))
-            for part in model.bodies[k].inertias
-        ]
+    place = _Places.of(model, _locked(model, values))
+    kept = {k: i for i, k in enumerate(k for k in place.on if place.on[k] == k and k >= 0)}
     bodies = tuple(
         replace(
-            body,
-            joint=replace(body.joint, placement=seen[body.parent].then(body.joint.placement)),
-            parent=index[on[body.parent]],
-            inertias=tuple(parts[k]),
+            model.bodies[k],
+            joint=place.hung(model.bodies[k]),
+            parent=kept.get(place.on[model.bodies[k].parent], -1),
+            inertias=place.parts(k),
         )
-        for k, body in enumerate(model.bodies)
-        if k in index
+        for k in kept
     )
-    frames = []
-    for frame in model.frames:
-        k = frame.body
-        if k in moves and not frame.parent:
-            joint = model.bodies[k].joint
-            frame = replace(frame, parent=joint.parent, joint=joint.name)
-        frames.append(replace(frame, body=index[on[k]], placement=seen[k].then(frame.placement)))
-    names = {name for i, name in enumerate(model.position_names) if i in values}
+    frames = tuple(
+        replace(
+            place.named(frame),
+            body=kept.get(place.on[frame.body], -1),
+            placement=place.seen[frame.body].then(frame.placement),
+        )
+        for frame in model.frames
+    )
+    gone = {name for i, name in enumerate(model.position_names) if i in values}
     locked = replace(
         model,
         bodies=bodies,
-        frames=tuple(frames),
-        base_inertias=tuple(parts[-1]),
-        home=tuple((name, x) for name, x in model.home if name not in names),
+        frames=frames,
+        base_inertias=place.parts(-1),
+        home=tuple((name, x) for name, x in model.home if name not in gone),
     )
     _refuse_idle(locked)
     return one_family(locked, model)
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Where the bodies of a model are when some joints are locked.
+
+    on: the body that carries each body (-1: the base), itself unless its joint is locked, in the
+    model's order. seen: its placement in the frame of that one.
+    """
+
+    model: Model
+    on: dict[int, int]
+    seen: dict[int, Placement]
+
+    @staticmethod
+    def of(model: Model, moves: Mapping[int, float]) -> _Places:
+        """The places where the joints of some bodies are held at their own positions."""
+        on = {-1: -1} | {k: k for k in range(len(model.bodies))}
+        seen = dict.fromkeys(on, Placement())
+        for k in parents_first(model.bodies):
+            if k in moves:
+                body = model.bodies[k]
+                at = body.joint.placement.then(_moved(model, k, moves[k]))
+                on[k], seen[k] = on[body.parent], seen[body.parent].then(at)
+        return _Places(model, on, seen)
+
+    def hung(self, body: Body) -> Joint:
+        """A body's joint, placed in the frame of the body that carries the one it hangs on."""
+        return replace(body.joint, placement=self.seen[body.parent].then(body.joint.placement))
+
+    def parts(self, k: int) -> tuple[Attached, ...]:
+        """The inertias of all bodies that a body, or the base, carries."""
+        bodies = self.model.bodies
+        own = bodies[k].inertias if k >= 0 else self.model.base_inertias
+        others = (i for i, carrier in self.on.items() if carrier == k != i)
+        return own + tuple(
+            replace(part, placement=self.seen[i].then(part.placement))
+            for i in others
+            for part in bodies[i].inertias
+        )
+
+    def named(self, frame: Frame) -> Frame:
+        """A frame; the first of a locked body as one behind a fixed joint of the joint's name."""
+        if self.on[frame.body] == frame.body or frame.parent:
+            return frame
+        joint = self.model.bodies[frame.body].joint
+        return replace(frame, parent=joint.parent, joint=joint.name)
+
+
+def _locked(model: Model, values: Mapping[int, float]) -> dict[int, float]:
+    """The position of the joint of each body that is moved by one of the held entries of q."""
+    q = tuple(values.get(i, 0.0) for i in range(model.nq))
+    return {
+        k: at.position(q)[0] for k, at in enumerate(model.coordinates) if at.q and at.q[0] in values
+    }
 
 
 def _checked(model: Model, positions: Mapping[str, Any]) -> dict[int, float]:
