@@ -274,6 +274,20 @@ def test_another_zero_of_a_slide_is_named_with_the_words_that_say_so(
     assert fb.check(arm, answer, parameters=dict.fromkeys(zeros, 0))
 
 
+def test_h3_beside_torques_is_the_velocity_term_or_a_coefficient_and_that_is_said():
+    arm, line = fb.planar("RRR"), "tau3 = H31 θ̈1 + H32 θ̈2 + H33 θ̈3 + h3 "
+    right = fb.check(arm, f"{line} + G3")
+    assert right
+    assert "‘h3’ is read as the velocity term." in right.text
+    wrong = fb.check(arm, f"{line} - G3").causes[0]
+    assert wrong == (
+        "‘h3’ on the right is read as the coefficient m₃ l₂ lc₃ sin θ₃; write v3 for the velocity "
+        "term."
+    )
+    own = fb.check(arm, f"h3 = 0\n{line} + G3")
+    assert not any("is read as" in x for x in own.causes)
+
+
 def test_a_length_left_out_of_an_arm_that_slides_is_named():
     verdict = fb.check(fb.planar("RP"), "H11 = m1 lc1² + I1 + I2 + m2 (l1 + d2)²")
     assert "‘lc₂’ of ‘m₂ (l₁ + d₂ + lc₂)²’ is missing." in verdict.text
