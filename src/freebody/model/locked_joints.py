@@ -29,7 +29,7 @@ def with_locked(model: Model, positions: Mapping[str, Any]) -> Model:
     values = _checked(model, positions)
     if not values:
         return model
-    place = _HeldBodies.of(model, _locked(model, values))
+    place = _LockedBodies.of(model, _locked(model, values))
     kept = {k: i for i, k in enumerate(k for k in place.on if place.on[k] == k and k >= 0)}
     bodies = tuple(
         replace(
@@ -61,7 +61,7 @@ def with_locked(model: Model, positions: Mapping[str, Any]) -> Model:
 
 
 @dataclass(frozen=True)
-class _HeldBodies:
+class _LockedBodies:
     """Where the bodies of a model are when some joints are locked.
 
     on: the body that carries each body (-1: the base), itself unless its joint is locked, in the
@@ -73,7 +73,7 @@ class _HeldBodies:
     seen: dict[int, Placement]
 
     @staticmethod
-    def of(model: Model, moves: Mapping[int, float]) -> _HeldBodies:
+    def of(model: Model, moves: Mapping[int, float]) -> _LockedBodies:
         """The places where the joints of some bodies are held at their own positions."""
         on = {-1: -1} | {k: k for k in range(len(model.bodies))}
         seen = dict.fromkeys(on, Placement())
@@ -82,7 +82,7 @@ class _HeldBodies:
                 body = model.bodies[k]
                 at = body.joint.placement.then(_moved(model, k, moves[k]))
                 on[k], seen[k] = on[body.parent], seen[body.parent].then(at)
-        return _HeldBodies(model, on, seen)
+        return _LockedBodies(model, on, seen)
 
     def hung(self, body: Body) -> Joint:
         """A body's joint, placed in the frame of the body that carries the one it hangs on."""
