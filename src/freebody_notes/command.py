@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from freebody.cli import terminal
-from freebody.errors import FreebodyError, listed
+from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
@@ -24,7 +24,9 @@ def notes(
     item: Annotated[
         str | None,
         typer.Argument(
-            help="One item: eq-3.22, fig-2.3, ex-1.1a, or an equation's number.", show_default=False
+            help="One item: eq-3.22, fig-2.3, ex-1.1a, or an equation's number; or words, such as "
+            "Jacobian, for the items about them.",
+            show_default=False,
         ),
     ] = None,
     chapter: Annotated[int | None, typer.Option(min=1, max=6, help="Only this chapter.")] = None,
@@ -100,10 +102,18 @@ def _run(items: Sequence[Item]) -> list[ExecutedItem]:
 
 
 def _one(name: str, out: Path | None) -> None:
+    from freebody_notes.contents import about
     from freebody_notes.contents import item as found_item
     from freebody_notes.text import item_text
 
-    item = found_item(name)
+    try:
+        item = found_item(name)
+    except UnknownNameError:
+        items = about(name) if out is None else ()
+        if not items:
+            raise
+        _list(_run(items))
+        return
     (finding,) = _run([item])
     console = terminal.out()
     console.print(item_text(finding, min(console.width, 100)), markup=False, soft_wrap=True)
@@ -150,9 +160,13 @@ def _table(chapter: int | None, verdict: str | None) -> None:
 
     found = _run([x for x in items() if chapter is None or x.chapter == chapter])
     shown = [f for f in found if verdict is None or f.verdict == verdict]
+    _list(shown)
+    _summary(found)
+
+
+def _list(shown: Sequence[ExecutedItem]) -> None:
     for number in dict.fromkeys(f.item.chapter for f in shown):
         _chapter(number, [f for f in shown if f.item.chapter == number])
-    _summary(found)
 
 
 def _chapter(number: int, found: Sequence[ExecutedItem]) -> None:

@@ -81,6 +81,12 @@ def item(name: str) -> Item:
     raise UnknownNameError("item", name, "the notes", by_id)
 
 
+def about(words: str) -> tuple[Item, ...]:
+    """Items of which the title or what they say contains some words."""
+    sought = words.strip().casefold()
+    return tuple(x for x in items() if sought and sought in f"{x.title} {x.says}".casefold())
+
+
 def data(name: str) -> dict[str, Any]:
     """A file of this package, "contents.toml"; white space in its texts does no more than wrap
     lines."""

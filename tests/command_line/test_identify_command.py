@@ -54,6 +54,21 @@ def test_a_robot_is_identified_from_files_and_saved(
     assert [x["validation"] < 0.1 for x in found["joints"]] == [True, True]
 
 
+def test_a_log_without_a_joint_is_read_where_that_joint_is_locked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    arm = fb.load("3R").with_locked({"joint3": np.pi / 6}).with_drive("joint1", viscous=0.4)
+    written_log(Path("run.csv"), arm, 0)
+    words = ["identify", "3R", "run.csv", "--friction", "viscous"]
+    assert 'model.with_locked({"joint3": …}), --lock joint3=…' in error(capsys, *words)
+    assert "write one number" in error(capsys, *words, "--lock", "joint3=1, 2")
+    assert run([*words, "--lock", "joint3=30 deg", "--out", "found"]) == 1  # not validated
+    found = json.loads(Path("found/identification.json").read_text(encoding="utf-8"))
+    assert fb.load("found/model.toml").joint_names == ("joint1", "joint2")
+    assert max(x["regression"] for x in found["joints"]) < 0.05
+
+
 def test_a_payload_and_collisions_are_told_beside_a_robot(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

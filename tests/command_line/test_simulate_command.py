@@ -64,14 +64,23 @@ def test_a_closed_chain_is_assembled_and_its_motion_studied_again():
     assert np.abs(motion.q - found.q.values).max() < 1e-9
 
 
+def test_the_error_under_computed_torque_obeys_its_own_equation():
+    """Critically damped at 10 rad/s: e = e0 (1 + 10 t) exp(-10 t), the same for both joints."""
+    goal = ["--torque", "computed_torque", "--goal", "1, 0.5", "--time", "1"]
+    assert run(["simulate", "2R", "--q", "0.2, -0.3", *goal]) == 0
+    motion = fb.read_motion(fb.load("2R"), "motion.csv")
+    decay = ((1 + 10 * motion.t) * np.exp(-10 * motion.t))[:, None]
+    assert np.abs(motion.q - ([1, 0.5] - decay * [0.8, 0.8])).max() < 1e-6
+
+
 REFUSED = [
     (["--q", "1"], "--q has 1 values, '2R' takes 2"),
     (["--time", "0"], "--time is 0, expected seconds above 0"),
     (["--time", "1", "--every", "1e-9"], "makes 1e+09 rows"),
     (["--time", "1", "--every", "1"], "makes 2 rows of 1 s; a motion has from 4"),
-    (["--kp", "3"], "--kp is of --torque pd"),
+    (["--kp", "3"], "--kp is of a control law, --torque pd or computed_torque"),
     (["--torque", "pd", "--kp", "-3"], "kp is -3 for 'joint1'"),
-    (["--torque", "none.csv"], "none.csv"),
+    (["--torque", "none.csv"], "'none.csv': there is no such file; write pd, computed_torque"),
     (["--restitution", "2"], "restitution is 2, expected from 0"),
     (["--method", "euler"], "no method 'euler'"),
 ]

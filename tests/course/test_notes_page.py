@@ -90,6 +90,14 @@ def test_one_item_says_all_about_it(capsys):
     assert text.rstrip().endswith("misprint")
 
 
+def test_words_show_the_items_about_them(capsys):
+    text = said(capsys, "Coriolis")
+    shown = re.findall(r"^((?:eq|uf|ex|alg|fig|def)-\S+) ", text, re.MULTILINE)
+    assert shown
+    for name in shown:
+        assert "coriolis" in f"{item(name).title} {item(name).says}".lower()
+
+
 def test_one_item_writes_its_figure(capsys, tmp_path: Path):
     assert "written" in said(capsys, "fig-2.2", "--out", str(tmp_path / "five.svg"))
     ET.fromstring((tmp_path / "five.svg").read_text(encoding="utf-8"))

@@ -71,7 +71,7 @@ RowsOption = Annotated[
 
 
 @options.reading(
-    *("tip", "base", "convention", "parameters", *options.MODEL_CASE),
+    *("tip", "base", "convention", "parameters", "lock", *options.MODEL_CASE),
     speed="the exported function is given rates and accelerations; there is no motion.",
 )
 def export(

@@ -42,7 +42,8 @@ def identify(
         typer.Option(
             metavar="LAWS",
             help="Laws of friction, apart by commas. Default: "
-            "viscous,coulomb,offset,cube_root,quadratic,load.",
+            "viscous,coulomb,offset,cube_root,quadratic,load, the last where no joint follows "
+            "another.",
         ),
     ] = None,
     masses: Annotated[

@@ -36,6 +36,14 @@ def values(what: str, text: str) -> list[float]:
     return found
 
 
+def one(what: str, text: str) -> float:
+    """The only number in a text, an angle in radians."""
+    found = values(what, text)
+    if len(found) != 1:
+        raise FreebodyError(f"{what} {shown(text)}: write one number, such as 0.02 or 30 deg.")
+    return found[0]
+
+
 def by_commas(text: str) -> list[float] | None:
     """Numbers apart by commas; None where one cannot be used."""
     from freebody.formats import read_file

@@ -13,7 +13,7 @@ import typer
 
 from freebody.cli import numbers, terminal
 from freebody.cli.load_case import LOAD_CASE, MODEL_CASE, changed, speed, wrenches
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, listed
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -155,6 +155,17 @@ _READING: dict[str, tuple[Any, Any]] = {
         ],
         None,
     ),
+    "lock": (
+        Annotated[
+            list[str] | None,
+            typer.Option(
+                metavar="JOINT=POSITION",
+                help="A joint that stands still at a position, rad or m, or 30 deg, and is no "
+                "coordinate then, such as a gripper's finger; may be repeated.",
+            ),
+        ],
+        None,
+    ),
     "estimate_inertia": (
         Annotated[
             float | None,
@@ -169,8 +180,8 @@ _READING: dict[str, tuple[Any, Any]] = {
         None,
     ),
 }
-"""Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
-its numbers are others."""
+"""Options of how a robot is read, by the argument of `fb.load`, with their defaults; which of its
+numbers are others, and which joints are locked."""
 FILE = (
     "tip",
     "base",
@@ -182,6 +193,7 @@ FILE = (
     "xacro",
     "xacro_environment",
     "parameters",
+    "lock",
 )
 """Options of most commands."""
 CASE = (*FILE, *MODEL_CASE)
@@ -201,7 +213,8 @@ class GivenRobot:
     @property
     def arguments(self) -> dict[str, Any]:
         """How the file is to be read, as arguments of `fb.load`."""
-        how = {k: x for k, x in self.how.items() if k != "parameters" and k not in LOAD_CASE}
+        own = ("parameters", "lock", *LOAD_CASE)
+        how = {k: x for k, x in self.how.items() if k not in own}
         how["xacro"] = pairs("--xacro", how.get("xacro"), "length:=0.5", ":=")
         for name in ("package_path", "xacro_environment"):
             how[name] = how.get(name) or ()
@@ -221,6 +234,13 @@ class GivenRobot:
             given[name] = text if value is None else repr(value)
         with terminal.warnings_as_lines():
             model = load(self.name, **how)
+        if locked := pairs("--lock", self.how.get("lock"), "finger=0.02"):
+            model = model.with_locked(
+                {joint: numbers.one("--lock", text) for joint, text in locked.items()}
+            )
+            told = listed(f"{joint} at {text}" for joint, text in locked.items())
+            notice = Notice(CHANGED, f"locked by --lock: {told}.")
+            model = replace(model, notices=(*model.notices, notice))
         model = changed(model, self.how)
         if given:
             told = ", ".join(f"{name} = {text}" for name, text in given.items())

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from freebody.cli import INTERRUPTED, numbers, options, terminal
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, shown
 from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
@@ -48,27 +50,34 @@ def simulate(
     torque: Annotated[
         str,
         typer.Option(
-            metavar="zero|pd|FILE",
+            metavar="zero|pd|computed_torque|FILE",
             help="zero: no torque. pd: gravity and springs are held, and each joint is "
-            "driven to --goal. A CSV file with t and the joints' names (N m, N): torques, linear "
-            "between its rows, which also give the duration.",
+            "driven to --goal. computed_torque: so that the error e of each joint obeys "
+            "ë + kd ė + kp e = 0. A CSV file with t and the joints' names (N m, N): torques, "
+            "linear between its rows, which also give the duration.",
         ),
     ] = "zero",
     goal: Annotated[
         str | None,
-        typer.Option(metavar="VALUES", help="Of pd: positions. Default: those at the start."),
+        typer.Option(
+            metavar="VALUES", help="Of a control law: positions. Default: those at the start."
+        ),
     ] = None,
     kp: Annotated[
         str | None,
         typer.Option(
             metavar="VALUES",
-            help="Of pd: N m/rad or N/m, one value or one per joint. Default: 100 times the "
-            "inertia at the start.",
+            help="One value or one per joint; of pd: N m/rad or N/m, by default 100 times the "
+            "inertia at the start; of computed_torque: 1/s², by default 100.",
         ),
     ] = None,
     kd: Annotated[
         str | None,
-        typer.Option(metavar="VALUES", help="Of pd: N m s/rad or N s/m. Default: 20 times that."),
+        typer.Option(
+            metavar="VALUES",
+            help="Of pd: N m s/rad or N s/m, by default 20 times that inertia; of "
+            "computed_torque: 1/s, by default 20.",
+        ),
     ] = None,
     friction: Annotated[
         Literal["smooth", "dry"],
@@ -177,13 +186,21 @@ def _torque(
     besides the state."""
     import numpy as np
 
-    if torque != "pd":
+    if torque not in _LAWS:
         for name, text in zip(("--goal", "--kp", "--kd"), law, strict=True):
             if text is not None:
-                raise FreebodyError(f"{name} is of --torque pd.")
-    if torque not in ("zero", "pd"):
+                raise FreebodyError(
+                    f"{name} is of a control law, --torque {' or '.join(_LAWS)}; --torque is "
+                    f"{shown(torque)}."
+                )
+    if torque not in ("zero", *_LAWS):
         from freebody.motion.files.csv_files import read_torques
 
+        if not Path(torque).exists():
+            raise FreebodyError(
+                f"--torque {shown(torque)}: there is no such file; write {', '.join(_LAWS)}, zero, "
+                f"or the name of a CSV file."
+            )
         if course[0] is not None:
             raise FreebodyError(f"--time: the duration is that of {torque}; leave it out.")
         t, rows = read_torques(model, torque)
@@ -194,19 +211,57 @@ def _torque(
     times = _times(*course)
     if torque == "zero":
         return times, None, None
-    from freebody.trees.controllers import default_pd_gains, pd_gravity
     from freebody.ways_out.kernel import kernel
 
     goal, kp, kd = law
     aim = q if goal is None else _vector("--goal", goal, model.nq, model)
-    defaults = default_pd_gains(model, q)
+    chosen = _LAWS[torque]
+    defaults = chosen.gains(model, q)
     gains = [
         own if text is None else _gains(name, text, model)
         for name, text, own in zip(("--kp", "--kd"), (kp, kd), defaults, strict=True)
     ]
-    pd_gravity(model, q, qd, aim, *gains)  # which refuses what is no PD control
-    given = {"q_ref": aim, "kp": gains[0], "kd": gains[1]}
-    return times, kernel(model, "pd_gravity"), given
+    given = {"q_ref": aim, **{name: np.zeros(model.nv) for name in chosen.at_rest}}
+    given |= {"kp": gains[0], "kd": gains[1]}
+    chosen.function()(model, q, qd, **given)  # which refuses what the law cannot be
+    return times, kernel(model, chosen.quantity), given
+
+
+@dataclass(frozen=True)
+class _ControlLaw:
+    """A control law that drives each joint to a goal.
+
+    at_rest: its arguments that are 0 of a goal at rest. gains: (kp, kd) unless others are given.
+    """
+
+    quantity: str
+    at_rest: tuple[str, ...]
+    gains: Callable[[Model, Array], tuple[Array, Array]]
+
+    def function(self) -> Callable[..., Any]:
+        """The function that checks what the law is given."""
+        from freebody.trees import controllers
+
+        return getattr(controllers, self.quantity)
+
+
+def _pd_gains(model: Model, q: Array) -> tuple[Array, Array]:
+    from freebody.trees.controllers import default_pd_gains
+
+    return default_pd_gains(model, q)
+
+
+def _error_gains(model: Model, q: Array) -> tuple[Array, Array]:
+    import numpy as np
+
+    return np.full(model.nv, 100.0), np.full(model.nv, 20.0)
+
+
+_LAWS = {
+    "pd": _ControlLaw("pd_gravity", (), _pd_gains),
+    "computed_torque": _ControlLaw("computed_torque", ("qd_ref", "qdd_ref"), _error_gains),
+}
+"""Control laws by their names after --torque."""
 
 
 def _gains(name: str, text: str, model: Model) -> Array:

@@ -28,7 +28,8 @@ be trusted below its noise, where simulated ones turn at once. Half of the first
 real robot's torque."""
 USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
-torques are linear (load-dependent friction by a fixed point)."""
+torques are linear (load-dependent friction by a fixed point). That by load is left out where a
+joint follows another."""
 LOST_ROTOR = "load_friction*rotor"
 """Name, behind the joint's, of the product of load-dependent friction and a rotor's inertia."""
 _LEAST_LOSS = 1e-3
@@ -154,19 +155,30 @@ class Columns:
 
 
 def friction_laws(
-    function: str, wanted: Sequence[str] | Mapping[str, Any]
+    function: str, model: Model, wanted: Sequence[str] | Mapping[str, Any] | None
 ) -> tuple[FrictionLaw, ...]:
     """The laws of friction by name, those by load last.
 
     wanted: names of laws, or {name: {number: value}} with the numbers of their shapes, such as
-    {"stribeck": {"stribeck_speed": 0.1}}. Raises UnknownNameError and FreebodyError.
+    {"stribeck": {"stribeck_speed": 0.1}}; None: the usual ones that the robot can have. Raises
+    UnknownNameError and FreebodyError.
     """
+    following = [body.joint for body in model.bodies if body.joint.mimic is not None]
+    if wanted is None:
+        wanted = [x for x in USUAL_LAWS if not (following and LAWS[x].losses)]
     given = wanted if isinstance(wanted, Mapping) else dict.fromkeys(wanted)
     made = []
     for name, numbers in given.items():
         if name not in LAWS or LAWS[name].feature == "rotors":
             known = [x for x, law in LAWS.items() if law.feature != "rotors"]
             raise UnknownNameError("law", name, f"{function}: friction=", known)
+        if following and LAWS[name].losses:
+            raise FreebodyError(
+                f"{function}: {LAWS[name].term} is of the torque that a joint transmits, which is "
+                f"not determined where {following[0].name!r} follows another joint; leave "
+                f"{name!r} out of friction= (--friction), or lock the joint that it follows "
+                f"(Model.with_locked, --lock)."
+            )
         made.append(_with_shape(function, LAWS[name], numbers or {}))
     return tuple(sorted(made, key=lambda x: x.by_load))
 

@@ -14,7 +14,6 @@ from freebody.identification.advice import what_next
 from freebody.identification.any_friction import BaseEstimate, with_any_friction
 from freebody.identification.columns import (
     LOST_ROTOR,
-    USUAL_LAWS,
     Columns,
     friction_laws,
     regression_columns,
@@ -69,7 +68,7 @@ def identify(
     validate: Logs = (),
     loaded: Logs = (),
     load: float | None = None,
-    friction: Sequence[str] | Mapping[str, Any] = USUAL_LAWS,
+    friction: Sequence[str] | Mapping[str, Any] | None = None,
     rotors: bool = True,
     prior: Model | Mapping[str, float] | Sequence[float] | None = None,
     cutoff: float = EVERYTHING,
@@ -101,7 +100,8 @@ def identify(
         they are not used for anything else, and its centre and inertia need not be known.
     friction
         Names of laws, or {name: {number: value}} with the numbers that a law needs besides its
-        strength: {"coulomb": {}, "stribeck": {"stribeck_speed": 0.1}}.
+        strength: {"coulomb": {}, "stribeck": {"stribeck_speed": 0.1}}. Default: viscous, coulomb,
+        offset, cube_root, quadratic and load, the last only where no joint follows another.
     rotors
         Whether the drives' rotors have unknown inertias.
     prior
@@ -135,7 +135,7 @@ def identify(
     _require_load(carrying, load)
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
-    laws = friction_laws("identify", friction)
+    laws = friction_laws("identify", model, friction)
     key = f"_regression_columns {laws} {rotors}"
     columns = kept(model, key, regression_columns, "identify", model, laws, rotors)
     held = prior_of(model, prior)

@@ -11,7 +11,6 @@ from scipy.stats import chi2
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.columns import (
-    USUAL_LAWS,
     Columns,
     friction_laws,
     regression_columns,
@@ -62,7 +61,7 @@ def identify_payload(
     empty: Logs | None = None,
     *,
     frame: str | None = None,
-    friction: Sequence[str] | Mapping[str, Any] = USUAL_LAWS,
+    friction: Sequence[str] | Mapping[str, Any] | None = None,
     gains: Any = None,
     cutoff: float = EVERYTHING,
     name: str = "payload",
@@ -105,7 +104,7 @@ def identify_payload(
     """
     function = "identify_payload"
     require_model(function, model)
-    laws = friction_laws(function, friction)
+    laws = friction_laws(function, model, friction)
     key = f"_regression_columns {laws} True"
     columns = kept(model, key, regression_columns, function, model, laws, True)
     given = None if gains is None else np.broadcast_to(np.asarray(gains, float), (model.nv,))

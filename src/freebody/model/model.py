@@ -16,7 +16,14 @@ from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, MissingValueError, ModelError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import edits, flexible_joints, inertial_parameters, joint_table, named_numbers
+from freebody.model import (
+    edits,
+    flexible_joints,
+    inertial_parameters,
+    joint_table,
+    locked_joints,
+    named_numbers,
+)
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.description import Loop, Notice
 from freebody.model.doubt_rules.aspects import ALL
@@ -369,6 +376,28 @@ class Model(NamedParts, Tabled, ByValue):
         """
         given = {"stiffness": stiffness, "damping": damping}
         return flexible_joints.with_flexible_joint(self, joint, given)
+
+    def with_locked(self, positions: Mapping[str, float]) -> Model:
+        """The model in which some joints are locked: with_locked({"finger": 0.02}).
+
+        What a locked joint carries is a part of the body that it hangs on, and its coordinate is
+        gone from q and q̇; joints that follow it are locked with it. Its rotor, friction and spring
+        go too, since it does not move; frames, masses and their names stay.
+
+        Parameters
+        ----------
+        positions
+            The position of each joint that is locked, rad or m, by the name of a joint of one
+            coordinate.
+
+        Raises
+        ------
+        ModelError
+            A position beyond the joint's range, a joint that follows another, or a loop or strut
+            that would hold two frames of one body.
+        UnknownNameError
+        """
+        return locked_joints.with_locked(self, positions)
 
     def with_inertial_parameters(self, pi: Any) -> Model:
         """The model with other inertial parameters π (..., k), in the order and units of

@@ -125,9 +125,10 @@ class Verdict(InWords):
         """The verdict in words, equation by equation."""
         lines = [equation.text for equation in self.equations]
         if self.unchecked:
-            names, are = listed(self.unchecked, 8), "are" if len(self.unchecked) > 1 else "is"
             lines.append(
-                f"Not checked: {names}, which {are} no quantity of the robot's that is known here."
+                f"Not checked: {listed(self.unchecked, 8)}; no quantity of the robot has such a "
+                f"name. fb.quantities lists them all; what a name of your own stands for is said "
+                f"by names= (--name)."
             )
         lines += [f"Not read, {x.where}: {x.text}: {x.reason}." for x in self.unread]
         return "\n".join(lines)

@@ -348,3 +348,19 @@ def test_logs_that_tell_nothing_are_refused():
     mixed = [log(model, rng), log(model, rng, gains=np.ones(3))]
     with pytest.raises(fb.FreebodyError, match="give torque constants"):
         fb.identify(ARM, mixed)
+
+
+def test_no_friction_by_load_is_looked_for_where_a_joint_follows_another():
+    """Two fingers of which one follows the other: what each transmits is not determined. The other
+    usual laws are found."""
+    fixed = {f"panda_joint{k}": x for k, x in enumerate([0.0, 0.3, 0.0, -1.8, 0.0, 1.6, 0.0], 1)}
+    hand = fb.load("panda").with_locked(fixed)
+    run = log(hand.with_drive("panda_finger_joint1", viscous=2.0), np.random.default_rng(0))
+    found = fb.identify(hand, run)
+    laws = {x.name.partition(".")[2] for x in found.parameters if x.kind == "friction"}
+    assert laws == {"viscous", "coulomb", "offset", "cube_root", "quadratic"}
+    viscous = found["panda_finger_joint1.viscous"]
+    assert viscous.lower < 2.3 < viscous.upper  # with 0.3 of the other finger
+    for function in (fb.identify, fb.identify_payload):
+        with pytest.raises(fb.FreebodyError, match=r"_joint2' follows .*--lock"):
+            function(hand, run, friction=["viscous", "load"])

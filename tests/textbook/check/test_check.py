@@ -256,6 +256,38 @@ def test_a_line_that_is_right_in_one_reading_of_its_symbols_is_right():
     assert "‘9.81’ must be the symbol g" in verdict.text
 
 
+@pytest.mark.parametrize(
+    ("robot", "answer", "zeros"),
+    [
+        ("RP", "f2 = m2 (d̈2 - (l1 + d2) θ̇1²) + m2 g s1", ("lc2",)),
+        ("RP", "G1 = m1 g lc1 c1 + m2 g (d2 + lc2) c1", ("l1",)),
+        ("RPR", "G1 = m1 g lc1 c1 + m2 g d2 c1 + m3 g (d2 c1 + lc3 cos(θ1+θ3))", ("l1", "lc2")),
+    ],
+)
+def test_another_zero_of_a_slide_is_named_with_the_words_that_say_so(
+    robot: str, answer: str, zeros: tuple[str, ...]
+):
+    arm = fb.planar(robot)
+    verdict = fb.check(arm, answer)
+    assert not verdict
+    assert " ".join(f"--parameter {name}=0" for name in zeros) + "," in verdict.causes[0]
+    assert fb.check(arm, answer, parameters=dict.fromkeys(zeros, 0))
+
+
+def test_h3_beside_torques_is_the_velocity_term_or_a_coefficient_and_that_is_said():
+    arm, line = fb.planar("RRR"), "tau3 = H31 θ̈1 + H32 θ̈2 + H33 θ̈3 + h3 "
+    right = fb.check(arm, f"{line} + G3")
+    assert right
+    assert "‘h3’ is read as the velocity term." in right.text
+    wrong = fb.check(arm, f"{line} - G3").causes[0]
+    assert wrong == (
+        "‘h3’ on the right is read as the coefficient m₃ l₂ lc₃ sin θ₃; write v3 for the velocity "
+        "term."
+    )
+    own = fb.check(arm, f"h3 = 0\n{line} + G3")
+    assert not any("is read as" in x for x in own.causes)
+
+
 def test_a_length_left_out_of_an_arm_that_slides_is_named():
     verdict = fb.check(fb.planar("RP"), "H11 = m1 lc1² + I1 + I2 + m2 (l1 + d2)²")
     assert "‘lc₂’ of ‘m₂ (l₁ + d₂ + lc₂)²’ is missing." in verdict.text

@@ -52,7 +52,7 @@ class MotionInformation:
     def of(model: Model, friction: Sequence[str], noise: Array, slow: bool) -> MotionInformation:
         """The information that motions give of a robot with these laws of friction; slow ones tell
         gravity and friction alone."""
-        laws = friction_laws("excitation", friction)
+        laws = friction_laws("excitation", model, friction)
         columns = replace(regression_columns("excitation", model, laws), smooth=_SMOOTH)
         if columns.by_load:
             raise FreebodyError(

@@ -207,7 +207,7 @@ class _Reading:
         if missing:
             raise self.table.refusal(
                 f"there is no {key} of {listed(map(repr, missing), 8)}{self.has()}; a log has a "
-                f"column for every joint; {self.name_them(key)}."
+                f"column for every joint; {self.name_them(key)}{self.lock_them(missing)}."
             )
         return [by_name[name] for name in names]
 
@@ -236,7 +236,8 @@ class _Reading:
         if first not in (0, 1) or sorted(counted) != list(numbers):
             raise self.table.refusal(
                 f"the {key} is given of joints {listed(map(str, sorted(counted)), 12)}, and "
-                f"there are {len(names)} joints: {listed(names, 8)}; {self.name_them(key)}."
+                f"there are {len(names)} joints: {listed(names, 8)}; {self.name_them(key)}"
+                f"{self.lock_them(names[len(counted) :])}."
             )
         return [counted[k] for k in numbers]
 
@@ -254,7 +255,7 @@ class _Reading:
         if missing or len(set(names)) < len(names):
             raise self.table.refusal(
                 f"the log is of joints {listed(names, 8)}, the model also has "
-                f"{listed(missing, 8)}; each joint is named once."
+                f"{listed(missing, 8)}; each joint is named once{self.lock_them(missing)}."
             )
         return [names.index(name) for name in self.joints]
 
@@ -365,6 +366,17 @@ class _Reading:
         """Words on how to tell a quantity's columns."""
         example = "14-19" if key in ("torque", "current") else "2-7"
         return f'say which below [log] in {self.where()}, such as {key} = "{example}"'
+
+    def lock_them(self, joints: Sequence[str]) -> str:
+        """Words on joints of the model that the log may not have, such as a gripper's; none without
+        any."""
+        if self.model is None or not joints:
+            return ""
+        name = joints[0]
+        return (
+            f"; or, if the log lacks joints, lock them: "
+            f'model.with_locked({{"{name}": …}}), --lock {name}=…'
+        )
 
     def no_positions(self) -> str:
         count = len(self.joints) or max(1, (self.table.width - 1) // 3)

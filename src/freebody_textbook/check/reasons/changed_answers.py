@@ -214,6 +214,39 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
             yield l, lc
 
 
+def slides(x: Subject) -> Iterator[Changed]:
+    """Change: a slide's displacement measured from the joint before, to its body's centre of mass,
+    or both: the lengths that the model has there are 0."""
+    for d, before, behind in _slides(x):
+        ways = [(before, "from the joint before"), (behind, "to the centre of mass")]
+        ways.append((before + behind, "from the joint before to the centre of mass"))
+        for names, how in ways:
+            if names and x.names.issuperset(names):
+                said = {
+                    "zeros": " and ".join(f"{sym(name)} = 0" for name in names),
+                    "d": str(sym(d)),
+                    "how": how,
+                    "options": " ".join(f"--parameter {name}=0" for name in names),
+                    "given": ", ".join(f'"{name}": 0' for name in names),
+                }
+                yield said, x.at(dict.fromkeys(names, 0))
+
+
+def _slides(x: Subject) -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    """The displacement of each slide in the plane; the length along it from the joint before to
+    where it is counted from, and the distance behind it to the centre of mass, none where it is no
+    symbol."""
+    s = x.bodies.s
+    for i in s.order if x.setting.is_planar and x.bodies.is_told else ():
+        body = s.tree.bodies[i]
+        if s.turns(i) or len(body.masses) != 1:
+            continue
+        along = max(range(len(body.axis)), key=lambda k, axis=body.axis: abs(float(axis[k])))
+        found = (generator(s.symbols.element(v[along])) for v in (body.p, body.masses[0].c))
+        before, behind = ((name,) if name else () for name in found)
+        yield s.coordinate(i), before, behind
+
+
 def axes(factor: int) -> Change:
     """Change: moments of inertia about another axis: m c² is added `factor` times to each."""
 

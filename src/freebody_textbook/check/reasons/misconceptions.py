@@ -117,6 +117,8 @@ THOUGHTS: Mapping[str, Change] = {
         Belief(spins_alone=True, turns_alone=True),
     ),
     "Angles and rates are in radians: a factor π/180 too many, or one too few.": c.degrees,
+    "This would be right with {zeros}, where {d} is measured {how}. If yours is, say so: "
+    "{options}, in Python parameters={{{given}}}.": c.slides,
     "You wrote {wrong}: masses and weights act at the centre of mass, {centres} from the joint, "
     "not at the end of the link.": c.lengths(centre="l"),
     "This is right only if the centre of mass is at the midpoint of the link, {half}.": c.lengths(

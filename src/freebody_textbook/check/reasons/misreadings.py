@@ -60,6 +60,7 @@ def readings(
     """Alternative readings of a claim's symbols, most likely first."""
     yield from _links(setting, targets, claim, work)
     yield from _velocity_terms(targets, claim, work)
+    yield from _coefficients(setting, targets, claim, work)
     yield from _cosines(setting, targets, claim, work)
     yield from _slides(setting, targets, work)
     yield from _numbers(setting, claim, work)
@@ -167,6 +168,34 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         read = "a potential energy" if isinstance(next(iter(found)), Named) else "a cosine"
         text = f"‘{written}’ on the right is read as {read}; {said}."
         yield Misreading(found, text, f"‘{written}’ is read as the velocity term.")
+
+
+def _coefficients(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """Alternative reading: h3 as a term beside torques may be the velocity term of joint 3 instead
+    of a coefficient of the closed form."""
+    if not claim.target.kind.has_velocity_terms:
+        return
+    written = [x for x in work.values if isinstance(x, Named) and atom(x.name).letter == "h"]
+    coefficients = replace(targets, velocity=True).single if written else {}
+    terms, _ = _named_velocity_terms(targets)
+    found: dict[Expression, Expression] = {}
+    for node in written:
+        own, name = coefficients.get(node.name), terms.get(atom(node.name).figures)
+        is_meant = own is not None and own.kind.is_coefficient and own.compute() == node.value
+        if is_meant and name and isinstance(work.parents.get(node), Sum | Negative):
+            found[node] = Named(name, targets.single[name].compute(), span=node.span)
+    if found:
+        node, new = next(iter(found.items()))
+        assert isinstance(node, Named)
+        assert isinstance(new, Named)
+        shown, meant = claim.source[node.span], setting.form(node.value)
+        text = (
+            f"‘{shown}’ on the right is read as the coefficient {meant}; write {new.name} for the "
+            f"velocity term."
+        )
+        yield Misreading(found, text, f"‘{shown}’ is read as the velocity term.")
 
 
 def _cosines(
