@@ -7,15 +7,16 @@ import html
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from typing import Any
 
-from freebody.expressions.expression import Expression, Symbol
+from freebody.expressions.expression import ZERO, Equation, Expression, Symbol
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.naming import sym_of
-from freebody.expressions.nodes import Negative, Sum
+from freebody.expressions.nodes import Negative, Sum, Vector
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting.mathml import mathml
 from freebody_textbook.derivation import Derivation, Step
 from freebody_textbook.living.line_values import ValuedLine, body_of
+from freebody_textbook.living.units_of_values import together
 from freebody_textbook.methods.glossary import ACCELERATION, in_model, placed
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.formula_values import rank
@@ -102,7 +103,7 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
 def below(
     lines: Iterable[ValuedLine],
     letters: Lettering,
-    unit_of: Callable[[Expression], str],
+    unit_of: Callable[[ValuedLine], str],
     of_loops: Container[str],
 ) -> dict[Step, str]:
     """HTML of the values of each step's lines, with an input field for answers; of_loops: names of
@@ -114,7 +115,7 @@ def below(
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
             f"{mathml(left, display=False)} = <output></output>"
-            f" {html.escape(unit_of(line.line.lhs))}".rstrip()
+            f" {html.escape(unit_of(line))}".rstrip()
             + f"{_axes(line, of_loops)}</p>"
         )
     return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
@@ -187,6 +188,12 @@ class LineUnits:
         alike = next((self._alike[key] for key in _keys(left) if key in self._alike), set())
         unit = next(iter(alike)) if len(alike) == 1 else ""
         return _per_second(unit, left.dots)
+
+    def of_entries(self, line: Equation) -> str:
+        """The units of a vector of symbols, such as q = [θ₁, d₂]."""
+        vectors = (x.entries for x in line.sides if isinstance(x, Vector))
+        entries = next(vectors, ())
+        return together(None if x == ZERO else self(x) for x in entries)
 
 
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
