@@ -10,6 +10,7 @@ import typer
 
 from freebody.cli import numbers, options, terminal, verdicts
 from freebody.errors import FreebodyError
+from freebody.model.drives import assumed_by
 
 if TYPE_CHECKING:
     from freebody.identification.collisions import DetectedCollisions
@@ -41,8 +42,7 @@ def identify(
         str | None,
         typer.Option(
             metavar="LAWS",
-            help="Laws of friction, apart by commas. Default: "
-            "viscous,coulomb,offset,cube_root,quadratic,load.",
+            help=f"Laws of friction, apart by commas. Default: {','.join(assumed_by('identify'))}.",
         ),
     ] = None,
     masses: Annotated[
