@@ -33,7 +33,14 @@ from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
 from freebody_textbook.living.page_frames import PageFrames
 from freebody_textbook.living.page_program import PageProgram
-from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
+from freebody_textbook.living.panel import (
+    LineUnits,
+    below,
+    is_velocity,
+    panel,
+    units_of_symbols,
+    words_of_drawn,
+)
 from freebody_textbook.living.units_of_values import UnitsOfValues
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.body_by_body import SolvedReactions
@@ -153,7 +160,7 @@ def _parts(
     run = f"{kernel.source(answers.symbols(inputs))}\n{_script()}"
     data = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return LivingParts(
-        panel(inputs, dim, alone, letters),
+        panel(inputs, dim, alone, letters, words_of_drawn(plain)),
         {own[step]: rows for step, rows in told.items()},
         joined(_FOLDER, ["unpacked.js"])
         .replace("PAGE", packed(data))

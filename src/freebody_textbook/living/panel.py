@@ -45,11 +45,13 @@ def panel(
     dim: int,
     alone: int,
     letters: Lettering,
+    words: Mapping[str, str],
 ) -> str:
-    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings."""
+    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings.
+    words: what symbols are that no table of the page explains."""
     groups = []
     for key, title in GROUPS.items():
-        rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
+        rows = [_slider(k, x, letters, words) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
             state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
@@ -83,7 +85,7 @@ def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
     return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"
 
 
-def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
+def _slider(k: int, x: dict[str, Any], letters: Lettering, words: Mapping[str, str]) -> str:
     unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
     name, letter = html.escape(x["name"]), mathml(letters(sym(x["name"])), display=False)
     typed = html.escape(letters.symbol(sym_of(x["name"])).name)
@@ -92,8 +94,9 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
             f'<p class="slider" data-of="{name}">{letter} = '
             f'<span><output id="out{k}"></output>{unit} ({x["solved"]})</span></p>'
         )
+    title = f' title="{html.escape(words[x["name"]])}"' if x["name"] in words else ""
     return (
-        f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
+        f'<p class="slider" data-of="{name}"><label for="in{k}"{title}>{letter}</label>'
         f'<input id="in{k}" type="range" data-input="{name}" aria-label="{typed}" '
         f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
         f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
@@ -153,6 +156,15 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
         found.setdefault(parameter.name, unit)
     gravity = derivation.equations.layout.order.gravity
     return {gravity: ACCELERATION} | found if gravity else found
+
+
+def words_of_drawn(derivation: Derivation) -> dict[str, str]:
+    """What lengths and angles are that only drawings use, by name: those of the tip."""
+    model, told = derivation.equations.symbols.model, {x.name for x, _ in _told(derivation)}
+    if model.tip is None:
+        return {}
+    rows = placed(model.frame().placement, "from the last joint to the tip")
+    return {x.name: words for x, words, _ in rows if words and x.name not in told}
 
 
 def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
