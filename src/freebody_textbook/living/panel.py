@@ -159,7 +159,7 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
 
 
 def words_of_drawn(derivation: Derivation) -> dict[str, str]:
-    """What lengths and angles are that only drawings use, by name: those of the tip."""
+    """Descriptions of the lengths and angles that only drawings use, those of the tip, by name."""
     model, told = derivation.equations.symbols.model, {x.name for x, _ in _told(derivation)}
     if model.tip is None:
         return {}
