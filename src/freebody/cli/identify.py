@@ -10,6 +10,7 @@ import typer
 
 from freebody.cli import numbers, options, terminal, verdicts
 from freebody.errors import FreebodyError
+from freebody.model.drives import assumed_by
 
 if TYPE_CHECKING:
     from freebody.identification.collisions import DetectedCollisions
@@ -41,9 +42,8 @@ def identify(
         str | None,
         typer.Option(
             metavar="LAWS",
-            help="Laws of friction, apart by commas. Default: "
-            "viscous,coulomb,offset,cube_root,quadratic,load, the last where no joint follows "
-            "another.",
+            help=f"Laws of friction, apart by commas. Default: {','.join(assumed_by('identify'))}; "
+            "losses by load where no joint follows another.",
         ),
     ] = None,
     masses: Annotated[

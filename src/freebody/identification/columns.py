@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, PassiveJointError, UnknownNameError
 from freebody.kernels.own_functions import compile as compiled
-from freebody.model.drives import LAWS, DriveLaw
+from freebody.model.drives import LAWS, DriveLaw, assumed_by
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
@@ -26,7 +26,7 @@ WIDTHS = (0.01, 0.003, 0.001)
 the usual one first: real joints creep before they slip, and a measured rate has no sign that could
 be trusted below its noise, where simulated ones turn at once. Half of the first cost 1.1 % of a
 real robot's torque."""
-USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
+USUAL_LAWS = assumed_by("identify")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point). That by load is left out where a
 joint follows another."""

@@ -158,9 +158,8 @@ def of_friction(columns: Columns, rows: JointEquations) -> NDArray[np.bool_]:
     have other causes, nor gains."""
     end = columns.base + columns.friction_size
     of_friction = (rows.unknowns >= columns.base) & (rows.unknowns < end)
-    laws = [x.law.name for x in columns.friction]
-    law = (rows.unknowns - columns.base) % max(len(laws), 1)
-    constant = np.isin(law, [k for k, name in enumerate(laws) if name == "offset"])
+    law = (rows.unknowns - columns.base) % max(len(columns.friction), 1)
+    constant = np.isin(law, [k for k, x in enumerate(columns.friction) if x.law.is_constant])
     return np.asarray(of_friction & ~constant)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -33,7 +33,15 @@ from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
 from freebody_textbook.living.page_frames import PageFrames
 from freebody_textbook.living.page_program import PageProgram
-from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
+from freebody_textbook.living.panel import (
+    LineUnits,
+    below,
+    is_velocity,
+    panel,
+    units_of_symbols,
+    words_of_drawn,
+)
+from freebody_textbook.living.units_of_values import UnitsOfValues
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.setting import LOADS, Setting
@@ -143,22 +151,29 @@ def _parts(
     page |= {"inputs": inputs, "size": kernel.size}
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
-    of_lines = LineUnits(plain, units)
+    unit_of = units_of_lines(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in picture.bodies)
     naming = Naming(plain.equations.symbols.model)
     loops = range(len(naming.model.loops))
     exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
-    told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
+    told = below(found.lines, letters, unit_of, {x.name for x in exerted if isinstance(x, Symbol)})
     run = f"{kernel.source(answers.symbols(inputs))}\n{_script()}"
     data = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return LivingParts(
-        panel(inputs, dim, alone, letters),
+        panel(inputs, dim, alone, letters, words_of_drawn(plain)),
         {own[step]: rows for step, rows in told.items()},
         joined(_FOLDER, ["unpacked.js"])
         .replace("PAGE", packed(data))
         .replace("SCRIPT", packed(run)),
         run,
     )
+
+
+def units_of_lines(derivation: Derivation, units: Mapping[str, str]) -> Callable[[ValuedLine], str]:
+    """The unit of a line's value, by the name of its left side, the terms of the value, or the
+    symbols that a vector holds."""
+    by_name, by_value = LineUnits(derivation, units), UnitsOfValues(derivation.equations, units)
+    return lambda x: by_name(x.line.lhs) or by_value(x.value) or by_name.of_entries(x.line)
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,16 @@ import html
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from typing import Any
 
-from freebody.expressions.expression import Expression, Symbol
+from freebody.expressions.expression import ZERO, Equation, Expression, Symbol
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.naming import sym_of
-from freebody.expressions.nodes import Negative, Sum
+from freebody.expressions.nodes import Negative, Sum, Vector
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting.mathml import mathml
 from freebody_textbook.derivation import Derivation, Step
 from freebody_textbook.living.line_values import ValuedLine, body_of
+from freebody_textbook.living.units_of_values import together
 from freebody_textbook.methods.glossary import ACCELERATION, in_model, placed
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.formula_values import rank
@@ -44,11 +45,13 @@ def panel(
     dim: int,
     alone: int,
     letters: Lettering,
+    words: Mapping[str, str],
 ) -> str:
-    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings."""
+    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings.
+    words: what symbols are that no table of the page explains."""
     groups = []
     for key, title in GROUPS.items():
-        rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
+        rows = [_slider(k, x, letters, words) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
             state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
@@ -82,7 +85,7 @@ def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
     return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"
 
 
-def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
+def _slider(k: int, x: dict[str, Any], letters: Lettering, words: Mapping[str, str]) -> str:
     unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
     name, letter = html.escape(x["name"]), mathml(letters(sym(x["name"])), display=False)
     typed = html.escape(letters.symbol(sym_of(x["name"])).name)
@@ -91,8 +94,9 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
             f'<p class="slider" data-of="{name}">{letter} = '
             f'<span><output id="out{k}"></output>{unit} ({x["solved"]})</span></p>'
         )
+    title = f' title="{html.escape(words[x["name"]])}"' if x["name"] in words else ""
     return (
-        f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
+        f'<p class="slider" data-of="{name}"><label for="in{k}"{title}>{letter}</label>'
         f'<input id="in{k}" type="range" data-input="{name}" aria-label="{typed}" '
         f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
         f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
@@ -102,7 +106,7 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
 def below(
     lines: Iterable[ValuedLine],
     letters: Lettering,
-    unit_of: Callable[[Expression], str],
+    unit_of: Callable[[ValuedLine], str],
     of_loops: Container[str],
 ) -> dict[Step, str]:
     """HTML of the values of each step's lines, with an input field for answers; of_loops: names of
@@ -114,7 +118,7 @@ def below(
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
             f"{mathml(left, display=False)} = <output></output>"
-            f" {html.escape(unit_of(line.line.lhs))}".rstrip()
+            f" {html.escape(unit_of(line))}".rstrip()
             + f"{_axes(line, of_loops)}</p>"
         )
     return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
@@ -154,6 +158,15 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
     return {gravity: ACCELERATION} | found if gravity else found
 
 
+def words_of_drawn(derivation: Derivation) -> dict[str, str]:
+    """Descriptions of the lengths and angles that only drawings use, those of the tip, by name."""
+    model, told = derivation.equations.symbols.model, {x.name for x, _ in _told(derivation)}
+    if model.tip is None:
+        return {}
+    rows = placed(model.frame().placement, "from the last joint to the tip")
+    return {x.name: words for x, words, _ in rows if words and x.name not in told}
+
+
 def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
     """Symbols in the glossary with their units; if several units are listed in order, each applies
     to as many symbols. Symbols with alternative units are left out."""
@@ -187,6 +200,12 @@ class LineUnits:
         alike = next((self._alike[key] for key in _keys(left) if key in self._alike), set())
         unit = next(iter(alike)) if len(alike) == 1 else ""
         return _per_second(unit, left.dots)
+
+    def of_entries(self, line: Equation) -> str:
+        """The units of a vector of symbols, such as q = [θ₁, d₂]."""
+        vectors = (x.entries for x in line.sides if isinstance(x, Vector))
+        entries = next(vectors, ())
+        return together(None if x == ZERO else self(x) for x in entries)
 
 
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:

@@ -208,12 +208,13 @@ def _rows(group: Iterable[Equation], width: float, measure: _WidthOf) -> tuple[l
 
 def _turned_round(equation: Equation, width: float, measure: _WidthOf) -> Equation:
     """The equation, or b = a for a = b if a is too wide for a line, as only right sides are
-    broken."""
+    broken: where b is short, or where a, of more than half a line, is wider than b."""
     left, *others = equation.sides
-    sizes = [measure(side) for side in others]
-    if len(others) > 1 or sizes[0] > width / 4 or measure(left) + _SIGN + sizes[0] <= width:
+    own, sizes = measure(left), [measure(side) for side in others]
+    if len(others) > 1 or own + _SIGN + sizes[0] <= width:
         return equation
-    return eq(others[0], left)
+    is_short = sizes[0] <= width / 4 or sizes[0] < own > width / 2
+    return eq(others[0], left) if is_short else equation
 
 
 def _unfolded(equation: Equation, width: float, measure: _WidthOf) -> list[Equation]:

@@ -113,6 +113,7 @@ STATE = """
 .try div,.try details,.try summary,.slider,.value{display:inline}
 .try details::details-content{display:inline;content-visibility:visible}
 .try summary::after{content:": "}.slider label::after{content:" = "}
+.slider label[title]::after{content:" (" attr(title) ") = "}
 .slider:not(:last-child)::after{content:", "}.try details:last-of-type::after{content:"."}
 details:not(:last-of-type) .slider:last-child::after,.value:not(:last-child)::after{content:"; "}
 .values{font-size:.92em;overflow:visible}

@@ -104,6 +104,26 @@ WRONG = [
     ("RR", "G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "You wrote lc₁ for l₁"),
     ("own", "G1 = ma g ca c1 + mb g (ca c1 + e c12)", "You wrote ca for a"),
     ("own", "G1 = ma g a c1 + mb g (a c1 + e c12)", "You wrote a for ca"),
+    # where the centre of mass is
+    ("RR", "V = m1 g lc1 s1 + m2 g l1 s1", "right only if lc₂ = 0: the centre of mass of link2"),
+    ("RR", "vc2x = -l1 s1 θ̇1", "lc₂ = 0"),
+    ("RP", "F2 = m2 d̈2 - m2 (l1 + d2) θ̇1² + m2 g s1", "lc₂ = 0"),
+    (
+        "RR",
+        "G1 = m2 g l1 c1",
+        "right only if lc₁ = 0 and lc₂ = 0: the centres of mass of link1 and",
+    ),
+    (
+        "own",
+        "G1 = ma g ca c1 + mb g a c1",
+        "right only if e = 0: the centre of mass of fore is not",
+    ),
+    ("slider_crank", "V = m1 g lc1 s1 + m2 g l1 s1", "the centre of mass of rod"),
+    (
+        "RR",
+        "H11 = I1 + m1 lc1² + m2 (l1² + lc2² + 2 l1 lc2 c2)",
+        "moment of inertia of link2 about",
+    ),
     # other axes
     ("RR", "f12x = m2 (-l1 θ̇1² c2 + l1 θ̈1 s2 - lc2 (θ̇1+θ̇2)² + g s12)", WHERE),
     ("RR", "f12y = m2 (l1 θ̇1² s2 + l1 θ̈1 c2 + lc2 (θ̈1+θ̈2) + g c12)", WHERE),
@@ -170,6 +190,37 @@ def test_what_no_thought_gives_is_not_explained_by_one(
     verdict = fb.check(robots[robot], line)
     assert not verdict
     assert verdict.causes == ()
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("word", ["RR", "RP", "RPR"])
+def test_a_forgotten_centre_of_mass_is_told_where_the_mass_still_counts(word: str):
+    """The lines of an arm whose last link has its centre of mass on the joint; where the mass is
+    gone too, as in H22 = I2, more than its place was forgotten."""
+    last = len(word)
+    centres = [*(f"lc{k}" for k in range(1, last)), 0.0]
+    printed = str(fb.equations(fb.planar(word, lc=centres))).splitlines()
+    lines = [line for line in printed if line[:1] in ("H", "G")]
+    assert fb.check(fb.planar(word, lc=centres), "\n".join(lines))
+    told = []
+    for line in lines:
+        causes = " ".join(fb.check(fb.planar(word), line).causes)
+        named = sum(f"lc{'₀₁₂₃'[k]} = 0" in causes for k in range(1, last + 1))
+        assert named == (f"lc{'₀₁₂₃'[last]} = 0" in causes)
+        told.append((line, bool(named)))
+    assert any(is_told for _, is_told in told)
+    assert all(f"m{'₀₁₂₃'[last]}" in line for line, is_told in told if is_told)
+
+
+def test_one_forgotten_place_is_not_taken_for_another(robots: dict[str, fb.Model]):
+    """Not where the user's own line has it, nor where a length is what places a joint as well."""
+    verdicts = [
+        fb.check(robots["RR"], "G1 = m1 g lc1 c1 + 2 m2 g (l1 c1 + lc2 c12)"),
+        fb.check(robots["RR"], "x = l1 c1"),
+        fb.check(fb.planar("RR", l=["l1", "e"], lc=["lc1", "e"]), "x = l1 c1"),
+    ]
+    assert not any(verdicts)
+    assert not [cause for one in verdicts for cause in one.causes if "at its joint" in cause]
 
 
 def test_the_more_specific_sentence_stands_alone(robots: dict[str, fb.Model]):

@@ -396,6 +396,15 @@ def test_every_form_holds_every_step(method):
     assert not re.search("https?:", html.replace("http://www.w3.org/1998/Math/MathML", ""))
 
 
+def test_for_a_phone_an_equation_with_a_long_left_side_is_turned_round():
+    """Only right sides are broken: n₀₁ − n₁₂ − … = I₁ ω̇₁ + … does not fit the other way."""
+    page = derived("elbow_arm", "newton-euler").html()
+    kinds = ('<div class="equations short', '<div class="equations">')
+    own = [page[page.index(kind) :].partition("</div>")[0] for kind in kinds]
+    lefts = [" ".join(re.findall(r"<mtr><mtd>(.*?)</mtd>", table)) for table in own]
+    assert ["𝐈" in left for left in lefts] == [True, False]
+
+
 def test_lines_of_a_terminal_fit():
     for method in METHODS:
         for model in (fb.planar("RPR"), spatial_arm(2, 3)):

@@ -11,6 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody_textbook.living.line_values import line_values
+from freebody_textbook.living.living import units_of_lines
 from freebody_textbook.living.page_program import PageProgram, entries
 from freebody_textbook.living.panel import LineUnits, units_of_symbols
 
@@ -44,15 +45,45 @@ def test_units_are_those_of_the_values(letters, method):
     units = units_of_symbols(derivation)
     inputs = [name for name in symbols.ring.names if not name.startswith("sgn")]
     assert all(units[name] for name in inputs)
-    lines, unit_of = line_values(derivation).lines, LineUnits(derivation, units)
-    told = [
-        (x, unit) for line in lines if (unit := unit_of(line.line.lhs)) for x in entries(line.value)
-    ]
-    assert len(told) > 0.4 * len(lines)
+    lines, unit_of = line_values(derivation).lines, units_of_lines(derivation, units)
+    told = []
+    for line in lines:  # without a unit: a number in any units
+        parts, units_told = entries(line.value), unit_of(line).split(", ")
+        each = units_told * len(parts) if len(units_told) == 1 else units_told
+        told += zip(parts, each, strict=True)
     given = dict(zip(inputs, np.linspace(0.4, 1.3, len(inputs)), strict=True))
     other = {name: x * factor(units[name]) for name, x in given.items()}
     first, second = (kernel.at_random([x for x, _ in told], **x)[:, 0] for x in (given, other))
     np.testing.assert_allclose(second, first * [factor(unit) for _, unit in told], rtol=1e-12)
+
+
+NUMBERED = """
+name = "numbered"
+dim = 2
+[[link]]
+name = "ground"
+[[link]]
+name = "arm"
+mass = 3
+com = [2, 0]
+inertia = "J"
+[[joint]]
+name = "shoulder"
+kind = "revolute"
+parent = "ground"
+child = "arm"
+"""
+
+
+def test_plain_numbers_for_lengths_do_not_mislead(tmp_path):
+    """6 g cos θ is a torque, though its symbols are those of an acceleration."""
+    path = tmp_path / "numbered.toml"
+    path.write_text(NUMBERED, encoding="utf-8")
+    derivation = fb.derive(fb.load(path), "lagrange")
+    unit_of = units_of_lines(derivation, units_of_symbols(derivation))
+    units = {str(x.line.lhs): unit_of(x) for x in line_values(derivation).lines}
+    assert (units["q"], units["Q"], units["τ₁"]) == ("rad", "N m", "N m")
+    assert {unit for name, unit in units.items() if "∂L" in name} == {""}
 
 
 def test_partial_velocities_are_in_axes_of_their_body_and_scalars_in_none():

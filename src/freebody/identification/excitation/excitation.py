@@ -22,6 +22,7 @@ from freebody.identification.excitation.motion_search import MotionSearch
 from freebody.identification.filters import SETTLES
 from freebody.identification.log_equations import REST
 from freebody.model.doubts import doubts_used
+from freebody.model.drives import assumed_by
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.planning.planning_limits import Limit, planning_limits
@@ -89,7 +90,7 @@ def excitation(
     frames: Sequence[str] | None = None,
     noise: JointVector | float | None = None,
     rate: float = 100.0,
-    friction: Sequence[str] = ("viscous", "coulomb", "offset"),
+    friction: Sequence[str] = assumed_by("excitation"),
     quasi_static: bool = False,
     seed: int = 0,
 ) -> Excitation:

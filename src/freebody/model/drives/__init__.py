@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from freebody.model.drives import (
     asymmetric,
     cogging,
@@ -46,4 +48,10 @@ NUMBERS: dict[str, LawNumber] = {
 }
 """The numbers of all laws, by the names of `Drive`'s attributes."""
 
-__all__ = ["LAWS", "NUMBERS", "DriveLaw", "LawNumber"]
+
+def assumed_by(function: Literal["identify", "excitation"]) -> tuple[str, ...]:
+    """Names of the laws that a function counts on at each joint unless it is given others."""
+    return tuple(law.name for law in LAWS.values() if function in law.assumed_by)
+
+
+__all__ = ["LAWS", "NUMBERS", "DriveLaw", "LawNumber", "assumed_by"]

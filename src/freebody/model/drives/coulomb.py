@@ -22,4 +22,5 @@ LAW = DriveLaw(
     signed=True,
     power=0,
     usual=True,
+    assumed_by=("identify", "excitation"),
 )

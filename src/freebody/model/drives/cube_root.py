@@ -30,4 +30,5 @@ LAW = DriveLaw(
     ),
     torque=_torque,
     signed=True,
+    assumed_by=("identify",),
 )

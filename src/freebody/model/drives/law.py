@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -149,7 +149,8 @@ class DriveLaw:
     it, and which of it the motor is spared while the joint drives the motor. at_joint: whether the
     torque acts on the joint itself, so that what is transmitted has it; friction and rotors are the
     motor's. usual: whether it is counted wherever any law acts, so that kernels and regressors do
-    not depend on which of the usual ones are 0.
+    not depend on which of the usual ones are 0. assumed_by: functions that count on the law at each
+    joint unless they are given others; it is of one parameter then.
     """
 
     name: str
@@ -170,11 +171,17 @@ class DriveLaw:
     losses: Callable[[Vector], tuple[Scalar, Scalar]] | None = None
     at_joint: bool = False
     usual: bool = False
+    assumed_by: tuple[Literal["identify", "excitation"], ...] = ()
 
     @property
     def strength(self) -> str:
         """The name of the law's strength, the number without which it does not act."""
         return self.numbers[0].name
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the law is a torque that depends neither on the rate nor on its sign."""
+        return self.power == 0 and not self.signed
 
     @property
     def off(self) -> dict[str, float]:

@@ -37,4 +37,5 @@ LAW = DriveLaw(
     ),
     losses=lambda p: (p[0], p[0]),
     form=NO_PARAMETERS,
+    assumed_by=("identify",),
 )

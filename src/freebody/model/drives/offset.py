@@ -14,4 +14,5 @@ LAW = DriveLaw(
     torque=lambda p, position, rate, s: p[0],
     recounted=lambda numbers, flip, offset: (flip * numbers[0],),
     power=0,
+    assumed_by=("identify", "excitation"),
 )

@@ -20,4 +20,5 @@ LAW = DriveLaw(
         ),
     ),
     torque=lambda p, position, rate, s: p[0] * (rate * absolute(rate)),
+    assumed_by=("identify",),
 )

@@ -21,4 +21,5 @@ LAW = DriveLaw(
     torque=lambda p, position, rate, s: p[0] * rate,
     power=1,
     usual=True,
+    assumed_by=("identify", "excitation"),
 )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, S
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from freebody.errors import listed
 from freebody.expressions.grammar.atoms import atom
@@ -15,6 +15,7 @@ from freebody.expressions.grammar.parser import PI
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.model.gravity import axis_of
+from freebody.model.parameters import each_parameter
 from freebody.scalars.generators import SIGN, function_of
 from freebody_textbook.check.algebra.finite_field import SineAndCosine
 from freebody_textbook.check.algebra.quotients import generator
@@ -125,26 +126,41 @@ def _weights(x: Subject) -> str:
     return f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
 
 
+class Forgotten(NamedTuple):
+    """Parameters that may have been forgotten, with values for the places of the sentence."""
+
+    said: Mapping[str, object]
+    names: Set[str]
+    remembered: Set[str] = frozenset()
+    """Parameters of which, where the correct answer has some, the user's must have one."""
+
+    def explains(self, right: Set[str], written: Set[str]) -> bool:
+        """Whether an answer with the symbols `written` has one of those that are remembered,
+        unless the correct one, with the symbols `right`, has none."""
+        return right.isdisjoint(self.remembered) or not written.isdisjoint(self.remembered)
+
+
 @dataclass(frozen=True)
 class Without:
     """Change: parameters set to 0, as if their effects were forgotten. `groups` gives sets of
-    parameters, with names for the sentence."""
+    them."""
 
-    groups: Callable[[RightEquations], Iterator[tuple[Mapping[str, object], Set[str]]]]
+    groups: Callable[[RightEquations], Iterator[Forgotten]]
 
     def __call__(self, x: Subject) -> Iterator[Changed]:
-        for said, names in self.groups(x.setting):
-            if names & x.names:
-                yield said, x.at(dict.fromkeys(names, 0))
+        for group in self.groups(x.setting):
+            left = (powers for powers, _ in x.rows if group.names.isdisjoint(powers))
+            if group.names & x.names and group.explains(x.names, set[str]().union(*left)):
+                yield group.said, x.at(dict.fromkeys(group.names, 0))
 
 
-def of_weights(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+def of_weights(setting: RightEquations) -> Iterator[Forgotten]:
     """The group of the gravity symbol, which stands for all weights."""
     if setting.order.gravity:
-        yield {}, {setting.order.gravity}
+        yield Forgotten({}, {setting.order.gravity})
 
 
-def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+def of_bodies(setting: RightEquations) -> Iterator[Forgotten]:
     """Groups of mass and inertia of one body, or of a body and all bodies that it carries."""
     model, inertial = setting.symbols.model, setting.order.inertial
     heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
@@ -155,16 +171,48 @@ def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], S
     for group in [{i} for i in sorted(heavy)] + [carried[i] & heavy for i in every]:
         if group != heavy:
             links = listed(str(model.bodies[i].name) for i in sorted(group))
-            yield {"links": links}, {name for name, (i, _) in inertial.items() if i in group}
+            names = {name for name, (i, _) in inertial.items() if i in group}
+            yield Forgotten({"links": links}, names)
 
 
-def of_moments(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """The group of all moments of inertia, as if bodies were point masses."""
-    yield {}, _moments(setting)
+def of_moments(setting: RightEquations) -> Iterator[Forgotten]:
+    """The group of all moments of inertia, as if bodies were point masses, and each body's."""
+    inertial, every = setting.order.inertial, _moments(setting)
+    moments = "The moments of inertia about the centres of mass are"
+    yield Forgotten({"moments": moments, "points": "point masses"}, every)
+    for i, body in enumerate(setting.symbols.model.bodies):
+        names = {name for name in every if inertial[name][0] == i}
+        one = f"The moment of inertia of {body.name} about its centre of mass is"
+        if names and names != every:
+            yield Forgotten({"moments": one, "points": "a point mass"}, names)
 
 
 def _moments(setting: RightEquations) -> set[str]:
     return {name for name, (_, kind) in setting.order.inertial.items() if kind == 1}
+
+
+def of_centres(setting: RightEquations) -> Iterator[Forgotten]:
+    """Groups of what places one body's centre of mass and no joint or frame, or all bodies'. Their
+    masses are remembered: else these, not their places, were forgotten."""
+    model, inertial = setting.symbols.model, setting.order.inertial
+    placements = (*(x.joint.placement for x in model.bodies), *(x.placement for x in model.frames))
+    elsewhere = {x.name for x in each_parameter(placements)}
+    rows = list[tuple[int, set[str]]]()
+    for i, body in enumerate(model.bodies):
+        centres = tuple(part.inertia.com for part in body.inertias)
+        if names := {x.name for x in each_parameter(centres)} - elsewhere:
+            rows.append((i, names))
+    for group in _groups(rows):
+        names = set[str]().union(*(own for _, own in group))
+        masses = {name for name, (i, kind) in inertial.items() if not kind and i in dict(group)}
+        several = len(group) > 1
+        said = {
+            "zero": listed(f"{sym(name)} = 0" for name in sorted(names)),
+            "centres": "the centres of mass" if several else "the centre of mass",
+            "links": listed(model.bodies[i].name for i, _ in group),
+            "are": "are not at their joints" if several else "is not at its joint",
+        }
+        yield Forgotten(said, names, masses)
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:

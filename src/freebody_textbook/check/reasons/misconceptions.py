@@ -3,7 +3,7 @@ sentence and the function that changes the correct answer."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -103,8 +103,8 @@ THOUGHTS: Mapping[str, Change] = {
     f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
     "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
     "right.": c.Without(c.of_bodies),
-    "The moments of inertia about the centres of mass are missing: this is right for point masses "
-    "only.": c.Without(c.of_moments),
+    "{moments} missing: this is right for {points} only.": c.Without(c.of_moments),
+    "This is right only if {zero}: {centres} of {links} {are}.": c.Without(c.of_centres),
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
     "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
     "θ̇ⱼ².": c.unmixed_rates,
@@ -226,11 +226,11 @@ def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
     yield from (_of(table, x) for table in TABLES)
 
 
-def left_out(setting: RightEquations) -> Iterator[tuple[str, Set[str]]]:
-    """Sentences on parameters that may have been forgotten, with the parameters' names."""
+def left_out(setting: RightEquations) -> Iterator[tuple[str, c.Forgotten]]:
+    """Sentences on parameters that may have been forgotten, with these."""
     for text, change in THOUGHTS.items():
         if isinstance(change, c.Without):
-            yield from ((text.format(**said), names) for said, names in change.groups(setting))
+            yield from ((text.format(**x.said), x) for x in change.groups(setting))
 
 
 def _of(table: ThoughtTable, x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:

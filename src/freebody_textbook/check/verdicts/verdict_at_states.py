@@ -303,12 +303,12 @@ class _AtStates:
         setting = self.judge.setting
         if self.claim.value.is_zero or not _has_conditions(setting):
             return ""
-        written = _symbols_of(self._tree)
+        written, right = _symbols_of(self._tree), generators_in(*pair(self.right))
         sampler = StateSampler(setting, acting=self.claim.target.acting)
-        for text, names in left_out(setting):
+        for text, group in left_out(setting):
             there = None
-            if names.isdisjoint(written):
-                there = sampler.at_values(states, dict.fromkeys(names, 0.0))
+            if group.names.isdisjoint(written) and group.explains(right, written):
+                there = sampler.at_values(states, dict.fromkeys(group.names, 0.0))
             if there is not None and self._note(self._agreement(there)):
                 return text
         return ""
