@@ -26,13 +26,13 @@ const look = studio.arm ? state.look() : none;
 return [[...state.held()], state.energy(), [...look.T], [...look.J], [...look.sizes]]"""
 STATE = "return [[...page.state.q], [...page.state.qd]]"
 PLACE = """const box = document.getElementById('canvas').getBoundingClientRect();
-const [x, y] = page.bench.spot(arguments[0]);
+const [x, y] = page.bench.at(arguments[0]);
 return [box.left + x, box.top + y]"""
-GRABBED = """const {bench} = page, tip = bench.handle ? bench.spot(bench.scene.tip) : [-99, -99];
+GRABBED = """const {bench} = page, tip = bench.handle ? bench.at(bench.scene.tip) : [-99, -99];
 for (const [role, ...ends] of bench.scene.solids.toReversed()) {
   const [a, b] = ends.slice(0, 2).map(end => inWorld(bench.frames, end));
   const place = a.map((c, k) => (2 * c + 3 * b[k]) / 5);
-  const [x, y] = bench.spot([0, ...place]), held = bench.picked(x, y);
+  const [x, y] = bench.at([0, ...place]), held = bench.picked(x, y);
   if (role === 'link' && held && Math.hypot(x - tip[0], y - tip[1]) > 40) return held.local;
 }"""
 TYPE = """const field = document.querySelectorAll('[data-place]')[arguments[0]];
