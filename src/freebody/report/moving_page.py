@@ -93,6 +93,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     drawn = [_plotted(plot, columns, efforts) for plot in plots]
     rows = tuple(_rows(study, columns, drives, shown))
     what, arrows = what_if(study, shown), _arrows(study, columns)
+    bodies = drawn_as(study.model)
     instants = tuple(
         Instant(k, f"{shown.t[k]:.3g}", words)
         for k, words in ((shown.index(time), words) for time, words in marks)
@@ -109,13 +110,14 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         "arrows": {"lengths": arrows.lengths, "tip": arrows.tip},
     }
     player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
+    nv = study.model.nv
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
         "TIMES": packed_numbers(shown.t),
-        "POSITIONS": packed_numbers(shown.q, shown.q.shape[1]),
+        "POSITIONS": packed_numbers(shown.q, study.model.nq),
         "VALUES": packed_numbers(np.array(columns.found, dtype=np.float32)),
-        "RATES": "" if what.rates is None else packed_numbers(what.rates, what.rates.shape[-1]),
-        "EXPECTED": "" if what.expected is None else packed_numbers(what.expected, what.expected.shape[1]),
+        "RATES": "" if what.rates is None else packed_numbers(what.rates, nv),
+        "EXPECTED": "" if what.expected is None else packed_numbers(what.expected, nv),
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
@@ -123,7 +125,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     names = enumerate(shortened([drive["name"] for drive in drives]))
     what_rows = tuple(WhatRow(name, k) for k, name in names)
     heads = ("position", "speed", "torque, force")
-    return MovingPage(text, instants, heads, rows, arrows.words, drawn_as(study.model), what, what_rows)
+    return MovingPage(text, instants, heads, rows, arrows.words, bodies, what, what_rows)
 
 
 def _marks(study: Study) -> Iterator[tuple[float, str]]:

@@ -42,9 +42,10 @@ RUN = "page.run.law = arguments[1]; page.run.begin(); return page.run.advance(ar
 FRAMES = """const done = arguments[0];
 page.work.length = 0; page.running(true);
 setTimeout(() => { page.running(false); done([page.work, page.run.t]); }, 1000)"""
-RING = """const ring = document.querySelector('.handle'), chosen = document.getElementById('ellipsoid');
+RING = """const chosen = document.getElementById('ellipsoid'), {bench} = page;
 chosen.value = 'velocity'; chosen.dispatchEvent(new Event('change'));
-const oval = document.querySelector('.oval').getBBox(), [x, y] = page.bench.at(page.bench.scene.tip);
+const ring = document.querySelector('.handle'), [x, y] = bench.at(bench.scene.tip);
+const oval = document.querySelector('.oval').getBBox();
 return [ring.cx.baseVal.value - x, ring.cy.baseVal.value - y,
   oval.x + oval.width / 2 - x, oval.y + oval.height / 2 - y, Math.max(oval.width, oval.height)]"""
 SAID = "return document.getElementById('said').textContent"
