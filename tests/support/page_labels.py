@@ -71,13 +71,19 @@ def measured(driver: Any, states: int, seed: int = 1) -> dict[str, Any]:
 
 def drawing_time(driver: Any, states: int, seed: int = 2) -> float:
     """Milliseconds that the page's thread computes for the drawings of a state, the mean over
-    random ones: CPU time, which nothing else on the machine makes longer."""
+    random ones."""
+    return computed(driver, _DRAW, states, seed) / states
 
-    def computed() -> float:
+
+def computed(driver: Any, script: str, *arguments: Any) -> float:
+    """Milliseconds of CPU time that the page's thread computes for a script, which nothing else on
+    the machine makes longer."""
+
+    def so_far() -> float:
         metrics = driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
         return next(1000 * x["value"] for x in metrics if x["name"] == "ThreadTime")
 
     driver.execute_cdp_cmd("Performance.enable", {})
-    before = computed()
-    driver.execute_script(_DRAW, states, seed)
-    return (computed() - before) / states
+    before = so_far()
+    driver.execute_script(script, *arguments)
+    return so_far() - before

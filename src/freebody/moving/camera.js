@@ -1,6 +1,7 @@
 // A view of the world in parallel projection: turned by mouse, touch or keys, made larger and moved.
 
 const LOWEST = 2, ROOM = 0.7, DEGREE = Math.PI / 180;
+const within = (elevation) => Math.min(Math.max(elevation, LOWEST), 90);
 class Camera {
   constructor(scene) {
     this.scene = scene;
@@ -12,31 +13,32 @@ class Camera {
     this.turn(0, 0);
   }
   turn(azimuth, elevation) {
-    if (this.scene.flat) {
-      Object.assign(this, {right: [1, 0, 0], up: [0, 1, 0], towards: [0, 0, 1]});
-      return;
-    }
-    this.azimuth += azimuth;
-    this.elevation = Math.min(Math.max(this.elevation + elevation, LOWEST), 90);
-    const a = this.azimuth * DEGREE, e = this.elevation * DEGREE, [c, s, h, v] = [Math.cos(a), Math.sin(a), Math.cos(e), Math.sin(e)];
-    Object.assign(this, {right: [-s, c, 0], up: [-v * c, -v * s, h], towards: [h * c, h * s, v]});
+    Object.assign(this, {azimuth: this.azimuth + azimuth, elevation: within(this.elevation + elevation)});
+    Object.assign(this, this.axes(this.azimuth, this.elevation));
+  }
+  // What points to the right, up and towards the viewer, as seen from two angles; a drawing of the
+  // plane is seen from the front.
+  axes(azimuth, elevation) {
+    if (this.scene.flat) return {right: [1, 0, 0], up: [0, 1, 0], towards: [0, 0, 1]};
+    const a = azimuth * DEGREE, e = within(elevation) * DEGREE, [c, s, h, v] = [Math.cos(a), Math.sin(a), Math.cos(e), Math.sin(e)];
+    return {right: [-s, c, 0], up: [-v * c, -v * s, h], towards: [h * c, h * s, v]};
   }
   closer(factor) { this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 12); }
   shift(x, y) { this.aside = [this.aside[0] + x, this.aside[1] + y]; }
-  // Fits all that moves into the window, as it is seen at first or from `view`: the corners of its
-  // box, or places on its way with some room about them.
-  fit(wide, tall, view = this.scene.view) {
-    const now = [this.azimuth, this.elevation];
-    this.turn(view[0] - now[0], view[1] - now[1]);
-    const ends = [this.right, this.up, this.towards].map((way) => this.corners.reduce(([low, high], corner) => {
-      const far = dot(corner, way);
+  // Fits all that moves into the window, as it is seen at first: the corners of its box, or
+  // places on its way with some room about them.
+  fit(wide, tall) { Object.assign(this, {wide, tall}, this.fitting(this.corners, wide, tall)); }
+  // The middle and the pixels for each metre with which some places fill a window.
+  fitting(places, wide, tall) {
+    const {right, up, towards} = this.axes(...this.scene.view), ends = [right, up, towards].map((way) => places.reduce(([low, high], place) => {
+      const far = dot(place, way);
       return [Math.min(low, far), Math.max(high, far)];
     }, [Infinity, -Infinity]));
     const [a, b, c] = ends.map(([low, high]) => (low + high) / 2), room = ROOM * this.scene.step, edge = 2 * (this.scene.edge || 0) * this.thin;
-    this.middle = [0, 1, 2].map((k) => a * this.right[k] + b * this.up[k] + c * this.towards[k]);
-    this.scale = Math.min((wide - edge) / (ends[0][1] - ends[0][0] + room || 1), (tall - edge) / (ends[1][1] - ends[1][0] + room || 1));
-    this.turn(now[0] - view[0], now[1] - view[1]);
-    Object.assign(this, {wide, tall});
+    return {
+      middle: [0, 1, 2].map((k) => a * right[k] + b * up[k] + c * towards[k]),
+      scale: Math.min((wide - edge) / (ends[0][1] - ends[0][0] + room || 1), (tall - edge) / (ends[1][1] - ends[1][0] + room || 1)),
+    };
   }
   // x to the right, y down, in pixels, and how near.
   seen(p) {

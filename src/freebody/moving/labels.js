@@ -47,6 +47,7 @@ class Sheet {
   begin(wide, tall) {
     this.svg.replaceChildren();
     this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
+    if (this.crowd?.wide !== wide || this.crowd.tall !== tall) this.last.clear();  // a smaller sheet drove labels far away
     Object.assign(this, {crowd: new Crowd(wide, tall, this.rule.spacing), boxes: [], wanted: [], seen: new Map()});
   }
   // A label wants a place at one of its anchors, [place, direction]; after: plain text behind it.

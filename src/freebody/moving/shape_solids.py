@@ -3,7 +3,7 @@ its body."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from freebody.moving.fitted_solids import DrawnSolid, FramePlace
 from freebody.spatial import of_dimension
 
 _ROUND = 24  # sides of a cylinder
+_TOLD = 4  # names in a sentence
 
 
 def shapes_by_body(model: Model) -> dict[int, list[tuple[str, Shape]]]:
@@ -39,6 +40,33 @@ def _plain(roles: Mapping[str, list[tuple[str, Shape]]]) -> list[tuple[str, Shap
         if shapes and all(shape.kind != "mesh" for _, shape in shapes):
             return shapes
     return []
+
+
+def drawn_as(model: Model) -> str:
+    """Words on which bodies are drawn by shapes of the file and which by bars; empty in the plane,
+    where there are bars alone."""
+    if model.dim == 2:
+        return ""
+    own, meshes = shapes_by_body(model), any(shape.kind == "mesh" for _, shape in model.shapes)
+    why = "; the file's meshes are not opened" if meshes else ""
+    shaped, bare = [], []
+    for k, body in enumerate(model.bodies):
+        (shaped if k in own else bare).append(body.name)
+    if not shaped:
+        return f"Bodies are drawn as bars between their joints{why}."
+    if not bare:
+        return "Bodies are drawn by the shapes of the file."
+    first = f"{_listed(shaped)} {'is' if len(shaped) == 1 else 'are'} drawn by shapes of the file"
+    return f"{first}, {_listed(bare)} as {'a bar' if len(bare) == 1 else 'bars'}{why}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    """The first of some names, and how many more there are."""
+    told, more = names[:_TOLD], len(names) - _TOLD
+    if more > 1:
+        return f"{', '.join(told)} and {more} more"
+    *before, last = names
+    return f"{', '.join(before)} and {last}" if before else last
 
 
 def shape_solids(model: Model) -> Iterator[DrawnSolid]:

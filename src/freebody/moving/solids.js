@@ -23,7 +23,7 @@ const mostAcross = (way) => [0, 1, 2].reduce((best, k) => (Math.abs(way[k]) < Ma
 class Solid {
   constructor([role, a, b, radius, round, sides, bodies, side, ratio = 1]) {
     const profile = profileOf(radius, round), {columns, next} = columnsOf(sides), rows = profile.length;
-    Object.assign(this, {role, a, b, round, bodies, side, triangles: [], across: a[0] === b[0] ? mostAcross([1, 2, 3].map((k) => b[k] - a[k])) : -1});
+    Object.assign(this, {role, a, b, round, bodies, side, wide: Boolean(side) || (a[0] === b[0] && length(minus(a.slice(1), b.slice(1))) < radius), triangles: [], across: a[0] === b[0] ? mostAcross([1, 2, 3].map((k) => b[k] - a[k])) : -1});
     this.local = columns.flatMap(([angle, normal]) => profile.map(([far, along, end, out, up]) =>
       [far * Math.cos(angle), ratio * far * Math.sin(angle), along, end, out * Math.cos(normal), out * Math.sin(normal), up])).flat();
     for (let side = 0; side < sides; side++) {
@@ -86,11 +86,12 @@ class Solids {
       corners: Uint32Array.from(solid.triangles, (i) => i + first[k])}));
     this.screen = new Float64Array(4 * first[first.length - 1]);
   }
-  // Places between which all lies, but for the roundness of ends: ends, and corners of boxes.
+  // Places between which all lies, but for the roundness of bars: their ends, and the corners of
+  // boxes, discs and balls.
   reach(frames) {
     return this.solids.flatMap((solid, k) => {
       const ends = [inWorld(frames, solid.a), inWorld(frames, solid.b)];
-      if (!solid.side) return ends;
+      if (!solid.wide) return ends;
       for (let i = 3 * this.first[k]; i < 3 * this.first[k + 1]; i += 3) ends.push([this.points[i], this.points[i + 1], this.points[i + 2]]);
       return ends;
     });

@@ -37,8 +37,7 @@ class Stage {
   // Frames all that moves through some positions.
   frame(positions) {
     this.camera.corners = positions.flatMap((q) => {
-      this.place(q, this.own);
-      this.solids.place(this.frames);
+      this.pose(q);
       return this.solids.reach(this.frames);
     });
     this.resize();
@@ -50,9 +49,12 @@ class Stage {
   onSheet(way) { return [dot(way, this.camera.right), -dot(way, this.camera.up)]; }
   // Pixels of the sheet for each metre.
   get scale() { return this.camera.scale * this.camera.zoom / this.surface.fine; }
-  show(q) {
+  pose(q) {
     this.place(q, this.own);
     this.solids.place(this.frames);
+  }
+  show(q) {
+    this.pose(q);
     this.draw();
   }
   draw() {

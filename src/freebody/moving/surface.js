@@ -28,11 +28,15 @@ class Surface {
     Object.assign(this, {canvas, context: canvas.getContext("2d"), flat: scene.flat, least, quick: false});
     [this.raster, this.colours, this.sheet] = [new Raster(), new Colours(), new Sheet(svg, scene)];
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.colours.read(); redraw(); });
-    new ResizeObserver(redraw).observe(canvas);
+    new ResizeObserver(() => { this.measure(); redraw(); }).observe(canvas);
+    this.measure();
   }
+  // Reads the canvas's size on the page, for which a browser lays out all that has changed: not in
+  // every picture.
+  measure() { this.seen = [this.canvas.clientWidth, this.canvas.clientHeight]; }
   // Makes all as large as the canvas is on the page; whether it has a size.
   resize() {
-    const {clientWidth: wide, clientHeight: tall} = this.canvas, share = Math.max(this.least / wide, 1);
+    const [wide, tall] = this.seen, share = Math.max(this.least / wide, 1);
     if (!wide || !tall) return false;
     const wanted = Math.max(this.quick ? QUICK : FINE, this.quick ? 1 : devicePixelRatio), fine = Math.min(wanted, Math.sqrt(MOST / wide / tall));
     const size = [Math.round(wide * fine), Math.round(tall * fine)];

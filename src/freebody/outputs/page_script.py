@@ -20,10 +20,16 @@ def packed(data: str | bytes) -> str:
     return b64encode(zlib.compress(raw, 9)).decode()
 
 
-def packed_numbers(x: NDArray[Any]) -> str:
-    """Numbers as a page inflates them: bytes of equal weight together, which packs them better."""
+def packed_numbers(x: NDArray[Any], stride: int = 1) -> str:
+    """Numbers as a page inflates them, without loss: bits as integers, each less the one `stride`
+    before, twice, which leaves little of smooth curves; bytes of equal weight stand together."""
     little = np.ascontiguousarray(x, dtype=x.dtype.newbyteorder("<"))
-    return packed(little.view(np.uint8).reshape(-1, x.dtype.itemsize).T.tobytes())
+    bits = little.view(f"<u{x.dtype.itemsize}").ravel()
+    for _ in range(2):
+        before = np.zeros_like(bits)
+        before[stride:] = bits[:-stride]
+        bits = bits - before  # modulo the integers' size
+    return packed(bits.view(np.uint8).reshape(-1, x.dtype.itemsize).T.tobytes())
 
 
 def joined(package: str, names: Iterable[str]) -> str:

@@ -17,9 +17,9 @@ from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import joint_axes, scene
+from freebody.moving.shape_solids import drawn_as
 from freebody.outputs.page_script import joined, packed, packed_numbers
 from freebody.report.page_figures import TOTAL
-from freebody.report.page_tables import EVERYDAY
 from freebody.report.shown_motion import ShownMotion, shown_motion
 from freebody.report.tables import shortened
 from freebody.report.what_if import WhatIf, limits, peaks, round_up, what_if
@@ -45,12 +45,10 @@ class Instant:
 
 @dataclass(frozen=True)
 class NowCell:
-    """A number that follows the cursor: its column among the curves, the unit in which it is shown,
-    and how many of them are one of the column's."""
+    """A number that follows the cursor: its column among the curves, and its unit."""
 
     column: int
     unit: str
-    scale: float
 
 
 @dataclass(frozen=True)
@@ -79,6 +77,8 @@ class MovingPage:
     rows: tuple[NowRow, ...]
     arrows: str
     """Words on the arrows on the robot, and their scales."""
+    bodies: str
+    """Words on the solids that stand for the robot's bodies."""
     what: WhatIf
     what_rows: tuple[WhatRow, ...]
 
@@ -93,6 +93,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     drawn = [_plotted(plot, columns, efforts) for plot in plots]
     rows = tuple(_rows(study, columns, drives, shown))
     what, arrows = what_if(study, shown), _arrows(study, columns)
+    bodies = drawn_as(study.model)
     instants = tuple(
         Instant(k, f"{shown.t[k]:.3g}", words)
         for k, words in ((shown.index(time), words) for time, words in marks)
@@ -109,13 +110,14 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         "arrows": {"lengths": arrows.lengths, "tip": arrows.tip},
     }
     player = joined("freebody.report", [f"templates/{name}.js" for name in _PLAYER])
+    nv = study.model.nv
     packs = {
         "STUDY": packed(json.dumps(data, allow_nan=False, separators=(",", ":"))),
         "TIMES": packed_numbers(shown.t),
-        "POSITIONS": packed_numbers(shown.q),
+        "POSITIONS": packed_numbers(shown.q, study.model.nq),
         "VALUES": packed_numbers(np.array(columns.found, dtype=np.float32)),
-        "RATES": "" if what.rates is None else packed_numbers(what.rates),
-        "EXPECTED": "" if what.expected is None else packed_numbers(what.expected),
+        "RATES": "" if what.rates is None else packed_numbers(what.rates, nv),
+        "EXPECTED": "" if what.expected is None else packed_numbers(what.expected, nv),
     }
     for word, pack in packs.items():
         player = player.replace(f'"{word}"', f'"{pack}"')
@@ -123,7 +125,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     names = enumerate(shortened([drive["name"] for drive in drives]))
     what_rows = tuple(WhatRow(name, k) for k, name in names)
     heads = ("position", "speed", "torque, force")
-    return MovingPage(text, instants, heads, rows, arrows.words, what, what_rows)
+    return MovingPage(text, instants, heads, rows, arrows.words, bodies, what, what_rows)
 
 
 def _marks(study: Study) -> Iterator[tuple[float, str]]:
@@ -225,15 +227,12 @@ def _rows(
         k = drive["coordinate"]
         unit, effort = (str(data[x].values[k]) for x in ("unit", "effort_unit"))
         at = columns.own(shown.q[:, positions.index(name)]) if name in positions else None
-        scale, everyday = EVERYDAY[unit]
-        if unit == "m":
-            scale, everyday = 1.0, "m"
         yield NowRow(
             short,
             (
-                None if at is None else NowCell(at, everyday, scale),
-                NowCell(drive["speed"], f"{unit}/s", 1.0),
-                NowCell(drive["effort"], effort, 1.0),
+                None if at is None else NowCell(at, unit),
+                NowCell(drive["speed"], f"{unit}/s"),
+                NowCell(drive["effort"], effort),
             ),
         )
 

@@ -99,7 +99,7 @@ def verdict(
     doubts = _WeighedDoubts.of(motions)
     every = _most_used_first(motions, uses)
     told = [use for use in every if not _rests(use, doubts.wrong)]
-    over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
+    over = [use for use in told if use.exceeded and not doubtful(use, doubts.every)]
     undriven = _of_all(_undriven, motions) if doubts.masses_known else ()
     loose = _of_all(_own_pace, motions) if doubts.torques_meant else ()
     outcome = doubts.outcome(bool(over or undriven))
@@ -183,6 +183,12 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
         for doubt in doubts
         if not doubt.of.absent and (not doubt.joints or use.coordinate in doubt.joints)
     )
+
+
+def doubtful(use: LimitUse, doubts: Iterable[Doubt]) -> bool:
+    """Whether the use of a limit depends on something that is not known, so that no motion is
+    refused for it."""
+    return _rests(use, [doubt for doubt in barring(doubts) if not doubt.of.mend])
 
 
 _ASPECTS = {

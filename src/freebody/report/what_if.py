@@ -19,6 +19,7 @@ from freebody.kernels.parameter_inputs import inputs_of
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.program import Argument, Program, trace
+from freebody.report.verdict import doubtful
 from freebody.targets.text import LANGUAGES, SourceUnit
 
 if TYPE_CHECKING:
@@ -161,6 +162,7 @@ def _uses(study: Study) -> list[dict[str, Any]]:
             "time": use.time if math.isfinite(use.time) else None,
             "unit": use.unit,
             "words": use.text,
+            "doubtful": doubtful(use, study.verdict.doubts),
         }
         for use in study.verdict.uses
     ]

@@ -1,38 +1,24 @@
 // The robot under the reader's hand: joints dragged, the tip pulled, ellipsoids of its speeds and forces.
 
-const GRIP = 16, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6, LEAST = 400;  // pixels squared for each radian or metre squared
+const GRIP = 16, RING = 9, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6, LEAST = 400;  // pixels squared for each radian or metre squared
 class Bench extends Stage {
   // act.joint(joint, position) and act.tip(place) move the robot.
   constructor(canvas, svg, studio, state, act) {
-    super(canvas, svg, studio.scene, studio.bodies, kernels.placed);
-    Object.assign(this, {studio, state, act, ellipsoid: "", shown: true});
-    this.oval = this.mark("path", "");
-    this.handle = studio.arm ? this.mark("circle", "handle") : null;
-    if (this.handle) this.handle.setAttribute("r", 9);
+    super(canvas, svg, studio.scene, studio.bodies, kernels.placed, {notes: () => this.marks()});
+    Object.assign(this, {studio, state, act, ellipsoid: ""});
     const box = canvas.parentElement;
     for (const [type, does] of [["pointerdown", "grab"], ["pointermove", "drag"], ["pointerup", "release"], ["pointercancel", "release"]]) box.addEventListener(type, (event) => this[does](event), true);
   }
-  mark(name, css) {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-    element.setAttribute("class", css);
-    this.svg.prepend(element);
-    return element;
-  }
-  draw() {
-    super.draw();
-    if (!this.shown || !this.surface.wide) return;
-    if (this.handle) {
-      const [x, y] = this.at(this.scene.tip);
-      this.handle.setAttribute("cx", x.toFixed(1));
-      this.handle.setAttribute("cy", y.toFixed(1));
-    }
+  // The ring by which the tip is pulled, and the ellipsoid about it.
+  marks() {
+    if (!this.studio.arm) return;
     this.outline();
+    circle(this.svg, "handle", this.at(this.scene.tip), RING);
   }
   // The ellipsoid's outline: the projection of J J' (or its inverse) by the view is that of an ellipse.
   outline() {
     const found = this.ellipsoid && this.axes();
-    this.oval.setAttribute("class", `oval ${this.ellipsoid}`);
-    if (!found) { this.oval.setAttribute("d", ""); return; }
+    if (!found) return;
     const {right, up} = this.camera, [x, y] = this.at(this.scene.tip), {matrix, longest} = found;
     const size = Math.hypot(...[0, 1, 2].map((k) => this.scene.box[1][k] - this.scene.box[0][k]));
     const factor = SHARE / 2 * size * this.scale / longest;
@@ -43,7 +29,7 @@ class Bench extends Stage {
       const u = long * Math.cos(2 * Math.PI * k / ROUND), v = short * Math.sin(2 * Math.PI * k / ROUND);
       return `${(x + u * cos - v * sin).toFixed(1)} ${(y - u * sin - v * cos).toFixed(1)}`;
     });
-    this.oval.setAttribute("d", `M${points.join("L")}Z`);
+    put(this.svg, "path", {class: `oval ${this.ellipsoid}`, d: `M${points.join("L")}Z`});
   }
   // The matrix whose square roots are the ellipsoid, and its longest and shortest half-axis; null where
   // the robot is too near to a singular pose.
@@ -60,8 +46,8 @@ class Bench extends Stage {
   }
   grab(event) {
     const [x, y] = this.pointed(event);
-    if (!this.shown || event.shiftKey || this.held) return;
-    if (this.handle) {
+    if (event.shiftKey || this.held) return;
+    if (this.studio.arm) {
       const [a, b] = this.at(this.scene.tip);
       if (Math.hypot(x - a, y - b) < GRIP) this.held = {from: [x, y], place: inWorld(this.frames, this.scene.tip)};
     }

@@ -58,7 +58,11 @@ class FreeBodies {
   draw(y) {
     this.y = y;
     const {surface, stage, every} = this, bodies = every.slice(this.first, this.first + this.most), rows = Math.ceil(bodies.length / 2);
-    this.canvas.style.aspectRatio = `${WIDE} / ${TOP + TALL * rows}`;
+    if (rows !== this.rows) {
+      this.canvas.style.aspectRatio = `${WIDE} / ${TOP + TALL * rows}`;
+      surface.measure();
+      this.rows = rows;
+    }
     if (!bodies.length || !surface.resize()) return;
     surface.begin();
     const {sheet} = surface, acting = ({kind, at, is, sign, name}) => ({kind, at, is: vector(y, is).map((u) => sign * u), name});

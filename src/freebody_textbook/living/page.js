@@ -25,9 +25,9 @@ function follow() {
     output.title = Array.isArray(value) ? `[${value.join(", ")}]` : String(value);
   }
   if (!closed) return;
-  stage.place(y, stage.own);
+  stage.pose(y);
   frame();
-  stage.show(y);
+  stage.draw();
 }
 
 // The drawing, and the bodies alone, which are seen as the robot is.
@@ -35,18 +35,24 @@ const notes = new Notes(page.bodies, page.notes);
 const stage = new Stage(find("arm-solids"), find("arm"), page.scene, page.frames.length / FRAME, (y, own) => page.frames.forEach((place, k) => { own[k] = y[place]; }),
   {least: WIDE, notes: (stage) => { notes.draw(stage); pushed(stage, page.bodies, y); alone.draw(y); }});
 const alone = new FreeBodies(find("bodies-solids"), find("bodies"), page.scene, stage, page.bodies.filter((body) => body.alone));
-// The box of the world that is drawn. It grows with what moves, so that the drawing stays where it
-// is, and is made anew where little of it is used; symbols are as large as it was at first.
+// The box that is drawn, along the axes of the first view. It grows with what moves, so that the
+// drawing stays where it is, and is made anew where it could be much larger; symbols are as large as
+// it was at first.
+const SMALL = 0.65;  // of the scale that is possible
 let box = null;
 function frame() {
-  const around = (points) => [0, 1, 2].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
-  const diagonal = (box) => length(box.map(([low, high]) => high - low)), corner = (box, n) => [0, 1, 2].map((k) => box[k][n >> k & 1]);
-  const now = around(page.scene.solids.flatMap(([, a, b]) => [a, b]).map((place) => inWorld(stage.frames, place)));
-  const both = box && [0, 1, 2].map((k) => [Math.min(box[k][0], now[k][0]), Math.max(box[k][1], now[k][1])]);
-  const kept = both && diagonal(both) < 2.5 * diagonal(now);
-  if (!kept) stage.size = box ? diagonal(now) : page.scene.size;
+  const {camera, canvas} = stage, {right, up, towards} = camera.axes(...page.scene.view), ways = [right, up, towards];
+  const centres = page.bodies.filter(({heavy}) => heavy).map(({centre}) => inWorld(stage.frames, centre));
+  const places = [...stage.solids.reach(stage.frames), ...centres], now = ways.map((way) => {
+    const far = places.map((place) => dot(place, way));
+    return [Math.min(...far), Math.max(...far)];
+  });
+  const both = box ? now.map(([low, high], k) => [Math.min(box[k][0], low), Math.max(box[k][1], high)]) : now;
+  const ends = (box) => [0, 1].map((k) => box.reduce((sum, side, i) => plus(sum, ways[i], side[k]), [0, 0, 0]));
+  const [scale, most] = [both, now].map((one) => camera.fitting(ends(one), canvas.width, canvas.height).scale), kept = box && scale > SMALL * most;
+  if (!kept) stage.size = box ? length(now.map(([low, high]) => high - low)) : page.scene.size;
   box = kept ? both : now;
-  stage.camera.corners = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => corner(box, n));
+  camera.corners = ends(box);
 }
 
 // Predict first: a step is hidden until each line that can be asked for is right, or all are shown.

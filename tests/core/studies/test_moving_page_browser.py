@@ -12,9 +12,12 @@ import pytest
 
 import freebody as fb
 from support.browser import browser
+from support.page_labels import computed
+from support.real_files import ROBOTS as ROBOTS_OF_WHEEL
 
 pytestmark = pytest.mark.browser
 
+MOVING = "const done = arguments[0], wait = () => (player ? done() : setTimeout(wait, 5)); wait()"
 PLACES = "return player.stage.places(player.q, player.study.scene.tip)"
 SAMPLES = "return [[...player.t], player.q.map(q => [...q])]"
 KEY = """const [id, key] = arguments, target = document.getElementById(id);
@@ -43,6 +46,8 @@ return [...document.querySelectorAll('.here tbody tr')].map(row =>
 WORK = """const done = arguments[0];
 player.work.length = 0; player.speed = 1; player.play();
 setTimeout(() => { player.pause(); done([player.work, player.k]); }, 1000)"""
+PICTURES = """player.stage.hurry(true);
+for (let n = 0; n < arguments[0]; n++) player.show(n * 37 % player.t.length);"""
 CURVES = "return player.what.compute(...arguments).curves.map(curve => [...curve])"
 SLIDE = """for (const [id, value] of Object.entries(arguments[0])) {
   const slider = document.getElementById(id);
@@ -81,9 +86,7 @@ def page(path, chromium):
     chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     chromium.get_log("performance")  # what came before
     chromium.get(path.as_uri())
-    chromium.execute_async_script(
-        "const done = arguments[0], wait = () => (player ? done() : setTimeout(wait, 5)); wait()"
-    )
+    chromium.execute_async_script(MOVING)
     return chromium
 
 
@@ -228,7 +231,8 @@ def test_torques_under_another_load_pace_and_tilt_are_those_of_a_study(study, pa
         assert not page.execute_script("return Boolean(player.what)")
         assert "No sliders: " in page.find_element("tag name", "main").text
         return
-    load, pace, tilt = 1.25, 1.5, 30.0
+    load = page.execute_script("return Number(find('load').max)") / 4  # one of the slider's steps
+    pace, tilt = 1.5, 30.0
     c, s = np.cos(np.deg2rad(-tilt)), np.sin(np.deg2rad(-tilt))
     turned = np.array([[c, -s], [s, c]])
     gravity = study.model.gravity.copy()
@@ -293,7 +297,12 @@ SHAPED = """<robot name="shaped">
 <geometry><box size="0.1 0.3 0.4"/></geometry></visual></link>
 <joint name="pivot" type="revolute"><parent link="base"/><child link="upper"/>
 <origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
-<limit lower="-3" upper="3" velocity="2" effort="50"/></joint></robot>"""
+<limit lower="-3" upper="3" velocity="2" effort="50"/></joint>
+<link name="lower"><inertial><mass value="1"/><origin xyz="0 0 0.1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/>
+<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>
+<limit lower="-2" upper="2" velocity="2" effort="20"/></joint></robot>"""
 
 
 @pytest.fixture(scope="module")
@@ -314,7 +323,10 @@ def test_shapes_do_not_make_another_robot(shaped):
 @pytest.mark.long
 def test_a_box_of_the_file_stands_where_its_link_is(shaped, chromium, tmp_path):
     """Its eight corners in the page are those that forward kinematics places."""
-    chromium.get(fb.study(shaped).to_html(tmp_path / "index.html").as_uri())
+    path = fb.study(shaped).to_html(tmp_path / "index.html")
+    words = "upper is drawn by shapes of the file, lower as a bar."
+    assert words in path.read_text(encoding="utf-8")
+    chromium.get(path.as_uri())
     q, corners = chromium.execute_async_script(
         """const done = arguments[0], look = () => {
           if (!player) return setTimeout(look, 5);
@@ -332,6 +344,55 @@ def test_a_box_of_the_file_stands_where_its_link_is(shaped, chromium, tmp_path):
     found = np.array(corners).reshape(-1, 3)
     apart = np.linalg.norm(found[:, None] - expected, axis=-1)
     assert apart.min(axis=0).max() < 2e-6  # a drawing is rounded to a micrometre
+
+
+@pytest.mark.long
+def test_a_red_limit_that_is_not_judged_is_not_called_kept(chromium, tmp_path):
+    """Of a robot with impossible inertias the page's own torques are beyond a limit."""
+    file = tmp_path / "doubtful.urdf"
+    impossible = SHAPED.replace('ixx="0.05"', 'ixx="-0.05"').replace('effort="50"', 'effort="5"')
+    file.write_text(impossible)
+    with pytest.warns(fb.PhysicalWarning):
+        path = fb.study(fb.load(file)).to_html(tmp_path / "index.html")
+    chromium.get(path.as_uri())
+    chromium.execute_async_script(MOVING)
+    told, red = chromium.execute_script(
+        "return [find('recomputed').textContent, document.querySelectorAll('#what .over').length]"
+    )
+    assert red == 1
+    assert told.startswith("Not judged; by the numbers that there are the torque of pivot is ")
+
+
+HUMANOID = ROBOTS_OF_WHEEL / "talos_data/robots/talos_full_v2.urdf"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("robot", "largest", "longest"),
+    [
+        ("ur5e", LARGEST, 6.0),
+        ("panda", LARGEST, 16.0),
+        ("stewart", LARGEST, 16.0),
+        ("template:delta", LARGEST, 16.0),
+        pytest.param(
+            HUMANOID,
+            2_000_000,
+            16.0,
+            marks=pytest.mark.skipif(not HUMANOID.exists(), reason="needs example-robot-data"),
+        ),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
+def test_pages_are_small_and_their_pictures_quick(chromium, tmp_path, robot, largest, longest):
+    """Bytes, and milliseconds of the page's thread for a picture while it plays: robot, names,
+    curves and table."""
+    path = fb.study(fb.load(robot)).to_html(tmp_path / "index.html")
+    assert path.stat().st_size < largest
+    chromium.get(path.as_uri())
+    chromium.execute_async_script(MOVING)
+    chromium.execute_script(PICTURES, 20)  # the first are interpreted
+    assert computed(chromium, PICTURES, 100) / 100 < longest
+    assert chromium.get_log("browser") == []
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:

@@ -26,13 +26,13 @@ const look = studio.arm ? state.look() : none;
 return [[...state.held()], state.energy(), [...look.T], [...look.J], [...look.sizes]]"""
 STATE = "return [[...page.state.q], [...page.state.qd]]"
 PLACE = """const box = document.getElementById('canvas').getBoundingClientRect();
-const [x, y] = page.bench.spot(arguments[0]);
+const [x, y] = page.bench.at(arguments[0]);
 return [box.left + x, box.top + y]"""
-GRABBED = """const {bench} = page, tip = bench.handle ? bench.spot(bench.scene.tip) : [-99, -99];
+GRABBED = """const {bench} = page, tip = page.studio.arm ? bench.at(bench.scene.tip) : [-99, -99];
 for (const [role, ...ends] of bench.scene.solids.toReversed()) {
   const [a, b] = ends.slice(0, 2).map(end => inWorld(bench.frames, end));
   const place = a.map((c, k) => (2 * c + 3 * b[k]) / 5);
-  const [x, y] = bench.spot([0, ...place]), held = bench.picked(x, y);
+  const [x, y] = bench.at([0, ...place]), held = bench.picked(x, y);
   if (role === 'link' && held && Math.hypot(x - tip[0], y - tip[1]) > 40) return held.local;
 }"""
 TYPE = """const field = document.querySelectorAll('[data-place]')[arguments[0]];
@@ -42,6 +42,12 @@ RUN = "page.run.law = arguments[1]; page.run.begin(); return page.run.advance(ar
 FRAMES = """const done = arguments[0];
 page.work.length = 0; page.running(true);
 setTimeout(() => { page.running(false); done([page.work, page.run.t]); }, 1000)"""
+RING = """const chosen = document.getElementById('ellipsoid'), {bench} = page;
+chosen.value = 'velocity'; chosen.dispatchEvent(new Event('change'));
+const ring = document.querySelector('.handle'), [x, y] = bench.at(bench.scene.tip);
+const oval = document.querySelector('.oval').getBBox();
+return [ring.cx.baseVal.value - x, ring.cy.baseVal.value - y,
+  oval.x + oval.width / 2 - x, oval.y + oval.height / 2 - y, Math.max(oval.width, oval.height)]"""
 SAID = "return document.getElementById('said').textContent"
 
 
@@ -194,6 +200,9 @@ def test_the_tip_is_pulled_by_hand_and_by_numbers(model, page):
     if model.loops:
         assert page.find_elements("css selector", ".handle, [data-place]") == []
         return
+    *apart, size = page.execute_script(RING)
+    assert np.abs(apart).max() < 1.0  # pixels: both are drawn about the tip
+    assert size > 20
     tip = page.execute_script("return page.bench.scene.tip")
     start = np.array(page.execute_script(PLACE, tip))
     drag(page, start, start + [-20.0, 15.0])

@@ -96,7 +96,7 @@ class Player {
       svg.addEventListener("pointermove", hover);
       svg.addEventListener("pointerdown", hover);
     }
-    this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, column: columns[Number(cell.dataset.now)], factor: Number(cell.dataset.scale)}));
+    this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, column: columns[Number(cell.dataset.now)]}));
     this.slider = find("time");
     Object.assign(this.slider, {min: 0, max: t.length - 1, step: 1});
     this.slider.addEventListener("input", () => { this.pause(); this.show(Number(this.slider.value)); });
@@ -141,7 +141,7 @@ class Player {
     this.slider.value = k;
     this.slider.setAttribute("aria-valuetext", `${this.t[k].toFixed(3)} s`);
     find("instant").textContent = `${this.t[k].toFixed(3)} s`;
-    for (const {cell, column, factor} of this.rows) cell.textContent = onCurve(factor * column.values[k], factor * column.largest);
+    for (const {cell, column} of this.rows) cell.textContent = onCurve(column.values[k], column.largest);
     this.read();
     this.work.push(performance.now() - start);
     if (this.work.length > 600) this.work.shift();
@@ -179,7 +179,7 @@ class Player {
 let player;
 (async () => {
   const study = JSON.parse(new TextDecoder().decode(await inflated("STUDY")));
-  const [t, q, values] = [await numbers("TIMES", Float64Array), await numbers("POSITIONS", Float64Array), await numbers("VALUES", Float32Array)];
+  const [t, q, values] = [await numbers("TIMES", Float64Array), await numbers("POSITIONS", Float64Array, study.nq), await numbers("VALUES", Float32Array)];
   const count = t.length, columns = Array.from({length: values.length / count}, (_, k) => {
     const own = values.subarray(k * count, (k + 1) * count);
     return {values: own, given: own, anew: false, largest: own.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0)};
@@ -187,5 +187,5 @@ let player;
   document.documentElement.classList.add("moves");
   for (const hidden of document.querySelectorAll(".moving[hidden]")) hidden.hidden = false;
   player = new Player(study, t, q, columns);
-  if (study.what) player.what = new WhatIf(player, study, await numbers("RATES", Float64Array), await numbers("EXPECTED", Float64Array));
+  if (study.what) player.what = new WhatIf(player, study, await numbers("RATES", Float64Array, study.nv), await numbers("EXPECTED", Float64Array, study.nv));
 })();

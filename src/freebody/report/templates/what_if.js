@@ -81,6 +81,16 @@ class WhatIf {
     for (const reading of this.player.readings) reading.again();
     this.player.show(this.player.k);
   }
+  // The largest share of limits of which the verdict does not tell, since it depends on numbers that are
+  // wrong: what the table shows all the same.
+  loose() {
+    const {curves} = this.found, {t} = this.player, known = new Set(this.what.uses.map(({quantity, column}) => `${quantity} ${column}`));
+    return this.drives.flatMap(({coordinate, name, unit, limit}) => {
+      const quantity = unit === "N m" ? "torque" : "force", curve = curves[coordinate], value = largestOf(curve);
+      if (!limit || known.has(`${quantity} ${coordinate}`)) return [];
+      return [{quantity, name, unit, limit, value, time: t[curve.findIndex((x) => Math.abs(x) === value)], share: value / limit}];
+    }).sort((a, b) => b.share - a.share);
+  }
   // The table, and the limit that is nearest.
   tell() {
     const {curves} = this.found;
@@ -93,13 +103,14 @@ class WhatIf {
       cells[3].classList.toggle("over", limit !== null && peak > limit * (1 + CLOSE));
     }
     const uses = this.what.uses.map((use) => this.use(use, this.found)).sort((a, b) => b.share - a.share), over = uses.filter(({share}) => share > 1 + CLOSE);
-    const heading = this.what.barred ? "Not judged; the limits that are told of are kept" : "Within every limit";
-    const others = over.length > 1 ? `; ${over.length} limits are exceeded` : "";
+    const sure = over.filter(({doubtful}) => !doubtful), beyond = [...over, ...this.loose().filter(({share}) => share > 1 + CLOSE)];
+    const others = sure.length > 1 ? `; ${sure.length} limits are exceeded` : "";
     let words = "Not judged: no limit is told of.";
-    if (over.length) words = `Not feasible: ${told(uses[0])}${others}.`;
-    else if (uses.length) words = `${heading}; nearest: ${told(uses[0])}.`;
+    if (sure.length) words = `Not feasible: ${told(sure[0])}${others}.`;
+    else if (beyond.length) words = `Not judged; by the numbers that there are ${told(beyond[0])}.`;
+    else if (uses.length) words = `${this.what.barred ? "Not judged; the limits that are told of are kept" : "Within every limit"}; nearest: ${told(uses[0])}.`;
     find("recomputed").textContent = words;
-    find("recomputed").classList.toggle("bad", over.length > 0);
+    find("recomputed").classList.toggle("bad", beyond.length > 0);
   }
 }
 const percent = (share) => `${share > 1 && share < 1.01 ? (100 * share).toPrecision(6) : significant(100 * share)} %`;
