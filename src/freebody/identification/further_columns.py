@@ -25,8 +25,10 @@ from freebody.identification.log_equations import JointEquations, LogEquations
 from freebody.identification.regression import Regressed, noise_of
 from freebody.identification.verdict import QUANTILE
 
-_UNLIKELY = 1e-4
+_UNLIKELY = 1e-3
 """Probability, over all columns that are tried, below which one is no accident."""
+_MOVED = 0.5
+"""Change of a base parameter over half of its interval from which on the interval is doubted."""
 _ALIKE = 0.9
 """Part of the best column's evidence above which another explains as much."""
 _ABSORBED = 1e-4
@@ -92,14 +94,13 @@ def standing_out(
             residual - _explained(x, solution)
             for x, residual in zip(joints, first.residuals, strict=True)
         ]
-        own = noise_of(found, left, first.weights, first.gains, unknowns + 1)[2]
-        noise = np.minimum(noise, own)
+        noise = np.minimum(noise, _noise(found, first, left, unknowns + 1))
     value, variance = float(solution[b + best]), float(inverse[-1, -1])
     without = inverse_products(normal[:b, :b]) @ moment[:b]
     change = np.abs(solution[:b] - without)
     deviations = np.sqrt(np.maximum(np.diag(base.covariance), 1e-300))
     moved = float((change / deviations)[~base.untold].max(initial=0.0)) / QUANTILE
-    if moved < 1.0 or chi2.sf(value**2 / variance, 1) * count > _UNLIKELY:
+    if moved < _MOVED or chi2.sf(value**2 / variance, 1) * count > _UNLIKELY:
         return None
     alike = [k for k in range(count) if k != best and evidence[k] > _ALIKE * evidence[best]]
     others = tuple((k, float(values[k])) for k in alike)
@@ -160,6 +161,13 @@ def _normal(joints: Sequence[_JointProducts], noise: Array, size: int) -> tuple[
         normal[np.ix_(x.at, x.at)] += x.normal / variance
         moment[x.at] += x.moment / variance
     return normal, moment
+
+
+def _noise(found: LogEquations, first: Regressed, left: Sequence[Array], unknowns: int) -> Array:
+    """The variance (n,) of an independent sample of what is left of each joint, the dependence of
+    samples being that of the joint with the largest: single joints look white by accident."""
+    _, inflation, noise = noise_of(found, left, first.weights, first.gains, unknowns)
+    return noise * inflation.max() / inflation
 
 
 def _evidence(

@@ -59,7 +59,7 @@ from freebody.model.model_argument import require_model
 
 _UNLIKELY = 1e-4
 """Probability below which a residual that depends on the rate is no accident."""
-_PUT_RIGHT = 2
+_PUT_RIGHT = 3
 """How often, at most, the times of logs are put right, each time by what the last regression told
 of them."""
 

@@ -27,9 +27,6 @@ from freebody.ways_out.kernel import formula
 
 _STEP = 1e-5
 """Displacement (m, rad) by whose torques the change with it is taken."""
-_COLOURED = 1.3
-"""Times the dependence of filtered white noise above which what is left of a joint may go with the
-motion; below, no wrong place moves base parameters out of their intervals."""
 _SAME_AXIS = 1.0 - 1e-9
 """Cosine of the angle between a direction and a joint's axis from which on they are one."""
 
@@ -47,8 +44,6 @@ def misplaced_joint(
     model: with bodies near the identified ones. scale: of its torques over the equations'.
     cutoff: up to which these have frequencies, Hz.
     """
-    if np.max(first.inflation) < _COLOURED * found.inflation:
-        return None
     bare = model.without("friction", "rotors", "springs")
     looked_at, residuals = middles(found, first)
     ways = list(_ways(bare))
