@@ -10,7 +10,7 @@ from freebody.identification.identification import (
     IdentifiedParameter,
     JointFit,
 )
-from freebody.identification.structure import Structure
+from freebody.identification.structure import JudgedStructure
 
 
 def what_next(
@@ -19,7 +19,7 @@ def what_next(
     drift: Sequence[FrictionDrift],
     outcome: IdentificationOutcome,
     scaled: bool,
-    structure: Structure,
+    structure: JudgedStructure,
 ) -> tuple[str, ...]:
     """Sentences on logs and numbers that would tell more, the most useful first."""
     found = []

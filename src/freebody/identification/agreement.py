@@ -35,7 +35,7 @@ _RANK = 1e-9
 """Part of the largest eigenvalue of the scaled information below which a direction is not told."""
 
 
-class _Cut(NamedTuple):
+class _HalvedLogs(NamedTuple):
     """A way to cut logs in two: in words, and flags of the pieces of the first part."""
 
     words: str
@@ -70,7 +70,7 @@ def _pieces(found: LogEquations) -> NDArray[np.intp]:
     return np.concatenate(numbers)
 
 
-def _cuts(found: LogEquations, pieces: NDArray[np.intp]) -> list[_Cut]:
+def _cuts(found: LogEquations, pieces: NDArray[np.intp]) -> list[_HalvedLogs]:
     """The ways to cut the logs in two."""
     count = int(pieces.max()) + 1
     sizes = np.maximum(np.bincount(pieces, minlength=count), 1)
@@ -85,11 +85,11 @@ def _cuts(found: LogEquations, pieces: NDArray[np.intp]) -> list[_Cut]:
     for j, joint in enumerate(found.columns.joints):
         for what, x in (("positions", q), ("rates", qd), ("speeds", np.abs(qd))):
             own = means(x[:, j])
-            cuts.append(_Cut(f"{what} of {joint} above and below their median", _above(own)))
+            cuts.append(_HalvedLogs(f"{what} of {joint} above and below their median", _above(own)))
     for k, p in enumerate(found.prepared if len(found.prepared) > 1 else ()):
         words = f"the log {p.log.source or k + 1} and the others"
-        cuts.append(_Cut(words, means(1.0 * (log == k)) > 0.5))
-    cuts.append(_Cut("the first and the second half", _above(np.arange(count, dtype=float))))
+        cuts.append(_HalvedLogs(words, means(1.0 * (log == k)) > 0.5))
+    cuts.append(_HalvedLogs("the first and the second half", _above(np.arange(count, dtype=float))))
     return cuts
 
 
@@ -101,7 +101,7 @@ def _informed(
     found: LogEquations,
     first: Regressed,
     base: BaseEstimate,
-    cuts: Sequence[_Cut],
+    cuts: Sequence[_HalvedLogs],
     pieces: NDArray[np.intp],
 ) -> tuple[Array, Array]:
     """Information (cuts, 2, b, b) on base parameters and products (cuts, 2, b) with what is left,

@@ -26,7 +26,7 @@ _LONGEST = 0.25
 
 
 def delay_of(found: LogEquations, first: Regressed, base: BaseEstimate) -> Delay | None:
-    """By how much the torques come later than the positions, or None where that is no more than
+    """The time by which torques come later than positions, or None where that is no more than
     noise, or no base parameter feels it. It can be corrected unless it is longer than any clock's
     or filter's."""
     looked_at, residuals = middles(found, first)

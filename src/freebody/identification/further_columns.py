@@ -1,4 +1,4 @@
-"""What a further column of the regression would explain: by how much it stands out of what is left,
+"""Further columns of a regression and what they explain: by how much one stands out of the rest,
 and by how much base parameters would move with it, so that a wrong assumption which shifts them is
 told.
 
@@ -25,8 +25,8 @@ from freebody.identification.log_equations import JointEquations, LogEquations
 from freebody.identification.regression import Regressed, noise_of
 from freebody.identification.verdict import QUANTILE
 
-_UNLIKELY = 1e-3
-"""Probability, over all columns that are tried, below which one is no accident."""
+_UNLIKELY = 2e-5
+"""Probability below which a column, one of some dozens that are tried, is no accident."""
 _MOVED = 0.5
 """Change of a base parameter over half of its interval from which on the interval is doubted."""
 _ALIKE = 0.9
@@ -100,7 +100,7 @@ def standing_out(
     change = np.abs(solution[:b] - without)
     deviations = np.sqrt(np.maximum(np.diag(base.covariance), 1e-300))
     moved = float((change / deviations)[~base.untold].max(initial=0.0)) / QUANTILE
-    if moved < _MOVED or chi2.sf(value**2 / variance, 1) * count > _UNLIKELY:
+    if moved < _MOVED or chi2.sf(value**2 / variance, 1) > _UNLIKELY:
         return None
     alike = [k for k in range(count) if k != best and evidence[k] > _ALIKE * evidence[best]]
     others = tuple((k, float(values[k])) for k in alike)
@@ -188,6 +188,6 @@ def _evidence(
 
 
 def _explained(x: _JointProducts, solution: Array) -> Array:
-    """What the columns of a joint add up to, friction following those that are kept."""
+    """The sums of a joint's columns, friction following those that are kept."""
     own = solution[x.at]
     return x.kept @ own + x.local @ (x.inverse @ (x.of_local - x.across @ own))

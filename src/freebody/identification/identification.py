@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
 from freebody.identification.reported import Reported
-from freebody.identification.structure import Structure
+from freebody.identification.structure import JudgedStructure
 from freebody.model.model import Model
 from freebody.outputs.display import TextTable, counted
 from freebody.outputs.number_text import weighted_sum
@@ -106,9 +106,9 @@ class Identification(Reported, ByValue):
     """Advice on what to measure next, so that more is told."""
     fits: tuple[LogFit, ...] = ()
     """The logs beside what the model predicts, those to validate with last."""
-    structure: Structure = Structure()
-    """What logs say against what is taken as known: the time of torques, the places of joints, and
-    that parts of them agree."""
+    structure: JudgedStructure = JudgedStructure()
+    """The judgement of logs on what is taken as known: the time of torques, the places of joints,
+    and that parts of them agree."""
     _aside = ("verdict", "notices", "drift", "next", "fits")
 
     @property

@@ -42,7 +42,7 @@ from freebody.identification.physical_robot import PhysicalFit, fit_physical, ne
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import Regressed, regressed, suited
 from freebody.identification.stated_parameters import stated_parameters, undetermined
-from freebody.identification.structure import Delay, Structure
+from freebody.identification.structure import Delay, JudgedStructure
 from freebody.identification.torque_scale import TorqueScale, scale_by_load
 from freebody.identification.verdict import (
     QUANTILE,
@@ -163,7 +163,7 @@ def identify(
     joints = _joint_fits(found, first, fit, gains, checked, base.accident)
     made = robot(model, columns, fit, mass_doubts(held, told))
     misplaced = misplaced_joint(made, found, first, base, fit.scale.factor, cutoff)
-    structure = Structure(delay, misplaced, disagreement(found, first, base))
+    structure = JudgedStructure(delay, misplaced, disagreement(found, first, base))
     parameters = stated_parameters(model, columns, first, base, fit, joints, structure)
     outcome = outcome_of(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)

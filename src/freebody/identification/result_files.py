@@ -17,7 +17,7 @@ from freebody.identification.calibration.calibration import Calibration
 from freebody.identification.collisions import DetectedCollisions
 from freebody.identification.identification import Identification
 from freebody.identification.identified_payload import IdentifiedPayload
-from freebody.identification.structure import Structure
+from freebody.identification.structure import JudgedStructure
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 
@@ -108,8 +108,8 @@ def as_data(found: Identification) -> dict[str, Any]:
     )
 
 
-def _structure_data(found: Structure) -> dict[str, Any]:
-    """What logs say against a structure, null where they say nothing."""
+def _structure_data(found: JudgedStructure) -> dict[str, Any]:
+    """The judgement of logs on a structure, null where they say nothing against it."""
     delay, misplaced, other = found.delay, found.misplaced, found.disagreement
     of_joint = (
         None

@@ -12,7 +12,7 @@ from freebody.identification.columns import LOST_ROTOR, Columns
 from freebody.identification.identification import IdentifiedParameter, JointFit
 from freebody.identification.physical_robot import PhysicalFit
 from freebody.identification.regression import Regressed
-from freebody.identification.structure import Structure
+from freebody.identification.structure import JudgedStructure
 from freebody.identification.torque_scale import TorqueScale
 from freebody.identification.verdict import QUANTILE
 from freebody.model.model import Model
@@ -30,7 +30,7 @@ def stated_parameters(
     base: BaseEstimate,
     fit: PhysicalFit,
     joints: Sequence[JointFit],
-    structure: Structure,
+    structure: JudgedStructure,
 ) -> tuple[IdentifiedParameter, ...]:
     """All unknowns with their intervals, those of bodies whatever the friction; wider, or
     withdrawn, where the structure is not what it is taken for."""

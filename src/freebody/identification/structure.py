@@ -1,4 +1,4 @@
-"""What logs say of the structure that an identification takes as known: whether torques were in
+"""The judgement of logs on what an identification takes as known: whether torques were in
 time with positions, joints are where the model has them, and parts of the logs agree.
 
 Where they do not, intervals do not hold, however small the residual is.
@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 
 class Delay(NamedTuple):
-    """By how much (s) torques were logged later than positions, with half its interval of 95 %.
-    corrected: whether the logs were put right by it."""
+    """The time (s) by which torques were logged later than positions, with half its interval of
+    95 %. corrected: whether the logs were put right by it."""
 
     seconds: float
     half: float
@@ -69,8 +69,8 @@ class Disagreement(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Structure:
-    """Whether what an identification takes as known is so, as far as logs tell. Each is None where
+class JudgedStructure:
+    """The judgement of logs on what an identification takes as known. Each part is None where
     they say nothing against it."""
 
     delay: Delay | None = None

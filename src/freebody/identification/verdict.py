@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from freebody.identification.identification import IdentificationOutcome, JointFit, is_known
 from freebody.identification.priors import Prior
-from freebody.identification.structure import Structure
+from freebody.identification.structure import JudgedStructure
 from freebody.outputs.display import counted
 
 QUANTILE = 1.96
@@ -65,7 +65,7 @@ def verdict_of(
     joints: Sequence[JointFit],
     scale: ToldScale,
     held: Prior,
-    structure: Structure,
+    structure: JudgedStructure,
 ) -> str:
     """The verdict in one sentence, with what it rests on."""
     worst = max(joints, key=lambda x: x.model if x.validation is None else x.validation)
@@ -137,7 +137,7 @@ def notices_of(
     scale: ToldScale,
     joints: Sequence[JointFit],
     untold: Sequence[str],
-    structure: Structure,
+    structure: JudgedStructure,
 ) -> list[str]:
     """Sentences on what an identification rests on and what it does not tell."""
     found = structure.notices()
@@ -185,6 +185,18 @@ def notices_of(
             "Single masses, centres and inertias in the model are any that bodies can have and "
             "that give the base parameters; nothing that was held beforehand chose them."
         )
+    found += _on_residuals(joints, structure)
+    if untold:
+        found.append(
+            f"{counted(len(untold), 'base parameter')} that these motions do not tell: "
+            f"{', '.join(untold)}."
+        )
+    return found
+
+
+def _on_residuals(joints: Sequence[JointFit], structure: JudgedStructure) -> list[str]:
+    """Sentences on joints whose residual is more than noise."""
+    found = []
     wrong = [x.joint for x in joints if not x.law_fits]
     if wrong:
         others = (
@@ -201,10 +213,5 @@ def notices_of(
         found.append(
             f"What is left at {', '.join(coloured)} is more than noise; intervals are wider for "
             f"it, and hold as far as it is independent of the motion."
-        )
-    if untold:
-        found.append(
-            f"{counted(len(untold), 'base parameter')} that these motions do not tell: "
-            f"{', '.join(untold)}."
         )
     return found
