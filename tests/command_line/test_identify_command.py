@@ -112,6 +112,27 @@ def test_a_weighed_load_tells_the_scale_of_currents_and_without_it_the_scale_is_
     assert "--loaded and --load" in error(capsys, *words, "--loaded", "loaded.csv")
 
 
+def test_the_nearest_physical_robot_and_a_wrong_length(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    arm = fb.load("2R").with_drive("joint1", viscous=0.4, coulomb=0.3, rotor=0.05)
+    written_log(Path("run.csv"), arm, 0)
+    longer = fb.planar("RR", l=[1.2, 1.0], lc=[0.5, 0.5], m=[2.0, 1.0], I=[0.2, 0.1])
+    fb.save(longer, "longer.toml")
+    words = ["run.csv", "--validate", "run.csv", "--friction", "viscous, coulomb"]
+    assert run(["identify", "longer.toml", *words, "--out", "found"]) == 1
+    assert "what it takes as known is wrong" in capsys.readouterr().out
+    found = json.loads(Path("found/identification.json").read_text(encoding="utf-8"))
+    assert not found["trusted"]
+    assert found["structure"]["misplaced"]["displacement"]["joint"] == "joint2"
+    assert all(x["lower"] is None for x in found["parameters"])
+    assert 'class="ruling good"' not in Path("found/index.html").read_text(encoding="utf-8")
+    pytest.importorskip("clarabel", reason="Clarabel is not installed (extra lmi)")
+    assert run(["identify", "2R", *words, "--lmi"]) == 0
+    assert "nothing that was held beforehand chose them" in capsys.readouterr().out
+
+
 def test_what_was_not_validated_is_a_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

@@ -68,6 +68,14 @@ def identify(
     rotors: Annotated[
         bool, typer.Option(help="Whether the drives' rotors have unknown inertias.")
     ] = True,
+    lmi: Annotated[
+        bool,
+        typer.Option(
+            "--lmi",
+            help="Take the physical robot nearest to the logs, by linear matrix inequalities "
+            "(extra lmi), instead of one near what is held beforehand.",
+        ),
+    ] = False,
     payload_of: Annotated[
         list[str] | None,
         typer.Option(
@@ -97,8 +105,8 @@ def identify(
     predicts its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
-    made from. 1: it does not, there are none, or the scale of its masses is not told to a tenth.
-    2: bad input.
+    made from. 1: it does not, there are none, the scale of its masses is not told to a tenth, or
+    the logs speak against the geometry or against one another. 2: bad input.
     """
     from freebody.identification.identify import identify as identified
     from freebody.identification.result_files import write_results
@@ -129,6 +137,7 @@ def identify(
             rotors=rotors,
             loaded=read["loaded"],
             load=load,
+            lmi=lmi,
             **laws,
             **held,
         )

@@ -10,6 +10,7 @@ from freebody.identification.identification import (
     IdentifiedParameter,
     JointFit,
 )
+from freebody.identification.structure import JudgedStructure
 
 
 def what_next(
@@ -18,9 +19,21 @@ def what_next(
     drift: Sequence[FrictionDrift],
     outcome: IdentificationOutcome,
     scaled: bool,
+    structure: JudgedStructure,
 ) -> tuple[str, ...]:
     """Sentences on logs and numbers that would tell more, the most useful first."""
     found = []
+    if structure.withdrawn:
+        found.append(
+            "Mend the geometry, the zeros or the clock that the notices name before anything is "
+            "measured again: the same logs then tell what they are good for. fb.calibrate finds "
+            "geometry from measured poses."
+        )
+    elif structure.disagreement is not None:
+        found.append(
+            "Log the parts that disagree by themselves, with the same load and as warm, to see "
+            "which of them is another robot's."
+        )
     if not scaled:
         found.append(
             "Give a mass that is known, or a torque constant: without one all masses are right up "

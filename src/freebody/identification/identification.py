@@ -11,6 +11,7 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
 from freebody.identification.reported import Reported
+from freebody.identification.structure import JudgedStructure
 from freebody.model.model import Model
 from freebody.outputs.display import TextTable, counted
 from freebody.outputs.number_text import weighted_sum
@@ -105,6 +106,9 @@ class Identification(Reported, ByValue):
     """Advice on what to measure next, so that more is told."""
     fits: tuple[LogFit, ...] = ()
     """The logs beside what the model predicts, those to validate with last."""
+    structure: JudgedStructure = JudgedStructure()
+    """The judgement of logs on what is taken as known: the time of torques, the places of joints,
+    and that parts of them agree."""
     _aside = ("verdict", "notices", "drift", "next", "fits")
 
     @property
@@ -114,8 +118,9 @@ class Identification(Reported, ByValue):
 
     @property
     def trusted(self) -> bool:
-        """Whether the model predicts logs that it has not seen, and its scale is known."""
-        return self.outcome == "predicts" and self.scale_known
+        """Whether the model predicts logs that it has not seen, its scale is known, and nothing in
+        the logs speaks against its structure, so that intervals hold."""
+        return self.outcome == "predicts" and self.scale_known and self.structure.fits
 
     def __getitem__(self, name: str) -> IdentifiedParameter:
         for x in self.parameters:

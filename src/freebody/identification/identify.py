@@ -11,13 +11,14 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.advice import what_next
+from freebody.identification.agreement import disagreement
 from freebody.identification.any_friction import BaseEstimate, with_any_friction
 from freebody.identification.columns import (
-    LOST_ROTOR,
     Columns,
     friction_laws,
     regression_columns,
 )
+from freebody.identification.delays import delay_of, earlier
 from freebody.identification.drift import drift_notices, friction_drift, of_friction
 from freebody.identification.evidence import LogFit, log_fits
 from freebody.identification.filters import EVERYTHING
@@ -30,15 +31,17 @@ from freebody.identification.given_logs import (
 )
 from freebody.identification.identification import (
     Identification,
-    IdentifiedParameter,
     JointFit,
     is_known,
 )
 from freebody.identification.log_equations import LogEquations, equations
 from freebody.identification.logs.log import Log
+from freebody.identification.misplaced_joints import misplaced_joint
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import Regressed, regressed, suited
+from freebody.identification.stated_parameters import stated_parameters, undetermined
+from freebody.identification.structure import Delay, JudgedStructure
 from freebody.identification.torque_scale import TorqueScale, scale_by_load
 from freebody.identification.verdict import (
     QUANTILE,
@@ -55,10 +58,9 @@ from freebody.model.model_argument import require_model
 
 _UNLIKELY = 1e-4
 """Probability below which a residual that depends on the rate is no accident."""
-_SMALL = 0.05
-"""Part of the largest parameter of its kind below which a parameter counts as small."""
-_DETERMINED = 1e-6
-"""Part of an inertial parameter that no motion shows, below which it is determined."""
+_PUT_RIGHT = 3
+"""How often, at most, the times of logs are put right, each time by what the last regression told
+of them."""
 
 
 def identify(
@@ -119,7 +121,9 @@ def identify(
     Returns
     -------
     Identification
-        Its `model` is saved by `fb.save`; `str` of it is a report.
+        Its `model` is saved by `fb.save`; `str` of it is a report. Where logs speak against the
+        geometry, or against one another, intervals are withdrawn or wider, and it is not `trusted`;
+        torques that are late are put in time (`structure`).
 
     Raises
     ------
@@ -141,10 +145,12 @@ def identify(
     held = prior_of(model, prior)
     for log in (*used, *unseen, *carrying):
         require_joints("identify", log, columns.joints)
-    found, first = _solved(model, columns, used, held, cutoff, smooth)
+    found, first, base, delay = _in_time(model, columns, used, held, cutoff, smooth)
+    late = delay.seconds if delay is not None and delay.corrected else 0.0
     drift = friction_drift(found, first)
     columns, by_current = found.columns, found.currents
-    known = _scale(model, found, first, (used, carrying), load, held, cutoff)
+    both = (earlier(used, late), earlier(carrying, late))
+    known = _scale(model, found, first, both, load, held, cutoff)
     fit = fit_physical(model, found, first, held, known, lmi)
     told = ToldScale(fit.scale.interval(QUANTILE), load)
     if lmi:
@@ -152,12 +158,13 @@ def identify(
     if columns.by_load:
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
-    checked, fits = _validated(columns, model, unseen, gains, fit, cutoff)
+    checked, fits = _validated(columns, model, earlier(unseen, late), gains, fit, cutoff)
     own = np.ones(model.nv) if gains is None else gains
-    base = with_any_friction(found, first)
     joints = _joint_fits(found, first, fit, gains, checked, base.accident)
-    parameters = _parameters(model, columns, first, base, fit, joints)
     made = robot(model, columns, fit, mass_doubts(held, told))
+    misplaced = misplaced_joint(made, found, first, base, fit.scale.factor, cutoff)
+    structure = JudgedStructure(delay, misplaced, disagreement(found, first, base))
+    parameters = stated_parameters(model, columns, first, base, fit, joints, structure)
     outcome = outcome_of(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [
@@ -165,7 +172,7 @@ def identify(
         for log in (*used, *unseen, *carrying)
         for text in log.notices
     ]
-    notices += notices_of(held, told, joints, untold)
+    notices += notices_of(held, told, joints, untold, structure)
     notices.append(definiteness(near_edge(model, fit)))
     notices += drift_notices(drift)
     return Identification(
@@ -174,18 +181,43 @@ def identify(
         joints,
         columns.matrix,
         columns.inertial_names,
-        _undetermined(columns),
+        undetermined(columns),
         untold,
         gains,
         told.factors,
         fit.weight,
         outcome,
-        verdict_of(outcome, joints, told, held),
+        verdict_of(outcome, joints, told, held, structure),
         tuple(notices),
         drift,
-        what_next(parameters, joints, drift, outcome, is_known(told.factors)),
+        what_next(parameters, joints, drift, outcome, is_known(told.factors), structure),
         (*log_fits(found, fit.values, own, False), *fits),
+        structure,
     )
+
+
+def _in_time(
+    model: Model,
+    columns: Columns,
+    logs: Sequence[Log],
+    held: Prior,
+    cutoff: float,
+    smooth: float | None,
+) -> tuple[LogEquations, Regressed, BaseEstimate, Delay | None]:
+    """The regression of logs and their base parameters whatever the friction, torques and positions
+    being of the same time; and by how much they were not."""
+    late: Delay | None = None
+    for more in reversed(range(_PUT_RIGHT + 1)):
+        given = earlier(logs, 0.0 if late is None else late.seconds)
+        found, first = _solved(model, columns, given, held, cutoff, smooth)
+        base = with_any_friction(found, first)
+        told = delay_of(found, first, base) if more else None
+        if told is not None:
+            before = 0.0 if late is None else late.seconds
+            late = told._replace(seconds=before + told.seconds)
+        if told is None or not told.corrected:
+            break
+    return found, first, base, late
 
 
 def _solved(
@@ -339,93 +371,3 @@ def _friction_part(found: LogEquations, first: Regressed, j: int) -> float:
     friction = rows.x[:, own] @ first.values[rows.unknowns[own]]
     size = np.linalg.norm(rows.rate) * np.linalg.norm(first.gains[j] * rows.y)
     return float(friction @ rows.rate / size)
-
-
-def _parameters(
-    model: Model,
-    columns: Columns,
-    first: Regressed,
-    base: BaseEstimate,
-    fit: PhysicalFit,
-    joints: Sequence[JointFit],
-) -> tuple[IdentifiedParameter, ...]:
-    """All unknowns with their intervals, those of bodies whatever the friction."""
-    scale = np.full(len(first.values), fit.scale.factor)
-    for row in columns.rows:
-        if row.load is not None:
-            scale[row.load] = 1.0
-    value = scale * np.concatenate([base.values, first.values[columns.base :]])
-    variance = np.diag(first.covariance).copy()
-    variance[: columns.base] = np.diag(base.covariance)
-    half = QUANTILE * scale * np.sqrt(np.maximum(variance, 0.0))
-    half[np.concatenate([base.untold, first.untold[columns.base :]])] = np.nan
-    lower, upper = _with_scale(value, half, fit.scale, [x.load for x in columns.rows])
-    kinds = _kinds(model, columns)
-    largest = {
-        kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)
-        for kind in set(kinds)
-    }
-    fits = {x.joint: x.law_fits for x in joints}
-    made = []
-    for k, name in enumerate(columns.names):
-        is_base, joint = k < columns.base, name.rsplit(".", 1)[0]
-        told = bool(half[k] <= max(abs(value[k]), _SMALL * largest[kinds[k]]))
-        why = ""
-        if not is_base and not fits[joint]:
-            lower[k] = upper[k] = np.nan
-            why = "withdrawn: the law of friction does not fit"
-        made.append(
-            IdentifiedParameter(
-                name,
-                "inertial" if is_base else "friction",
-                kinds[k][1],
-                float(value[k]),
-                float(lower[k]),
-                float(upper[k]),
-                float(fit.values[k]),
-                told,
-                why,
-            )
-        )
-    return tuple(made)
-
-
-def _with_scale(
-    value: Array, half: Array, scale: TorqueScale, losses: Sequence[int | None]
-) -> tuple[Array, Array]:
-    """Ends of intervals about values, wider by what is not known of the scale, if it is told at
-    all; losses, which are parts of torques, have none."""
-    least, most = scale.interval(QUANTILE) if np.isfinite(scale.unsure) else (1.0, 1.0)
-    ends = np.array([least * value, most * value])
-    of_losses = [k for k in losses if k is not None]
-    ends[:, of_losses] = value[of_losses]
-    below, above = value - ends.min(axis=0), ends.max(axis=0) - value
-    return value - np.hypot(half, below), value + np.hypot(half, above)
-
-
-def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
-    """(kind, unit) of each unknown."""
-    turns = {body.joint.name: body.kind.turns for body in model.bodies}
-    kinds = []
-    for name in columns.base_names:
-        owner, symbol = name.rsplit(".", 1)
-        if symbol == "rotor":
-            kinds.append(("rotor", "kg m²" if turns[owner] else "kg"))
-        else:
-            unit = {"m": "kg", "h": "kg m", "I": "kg m²"}[symbol[0]]
-            kinds.append((symbol[0], unit))
-    for joint in columns.joints:
-        kinds += [(x.law.name, x.law.numbers[0].unit_of(turns[joint])) for x in columns.friction]
-    lost = columns.names[columns.base + columns.friction_size :]
-    kinds += [(LOST_ROTOR, "kg m²" if turns[name.rsplit(".", 1)[0]] else "kg") for name in lost]
-    return kinds
-
-
-def _undetermined(columns: Columns) -> tuple[str, ...]:
-    """Inertial parameters that no motion determines, since only combinations of them count."""
-    _, size, rows = np.linalg.svd(columns.matrix, full_matrices=False)
-    rows = rows[size > 1e-10 * size[0]]
-    hidden = 1.0 - (rows**2).sum(axis=0)
-    return tuple(
-        name for name, x in zip(columns.inertial_names, hidden, strict=True) if x > _DETERMINED
-    )

@@ -17,6 +17,7 @@ from freebody.identification.calibration.calibration import Calibration
 from freebody.identification.collisions import DetectedCollisions
 from freebody.identification.identification import Identification
 from freebody.identification.identified_payload import IdentifiedPayload
+from freebody.identification.structure import JudgedStructure
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 
@@ -89,6 +90,8 @@ def as_data(found: Identification) -> dict[str, Any]:
             "outcome": found.outcome,
             "scale_known": found.scale_known,
             "scale": list(found.scale),
+            "trusted": found.trusted,
+            "structure": _structure_data(found.structure),
             "notices": list(found.notices),
             "joints": [asdict(x) for x in found.joints],
             "gains": found.gains,
@@ -103,6 +106,23 @@ def as_data(found: Identification) -> dict[str, Any]:
             "next": list(found.next),
         }
     )
+
+
+def _structure_data(found: JudgedStructure) -> dict[str, Any]:
+    """The judgement of logs on a structure, null where they say nothing against it."""
+    delay, misplaced, other = found.delay, found.misplaced, found.disagreement
+    of_joint = (
+        None
+        if misplaced is None
+        else misplaced._asdict()
+        | {"displacement": misplaced.displacement._asdict(), "said": misplaced.text()}
+    )
+    return {
+        "fits": found.fits,
+        "delay": None if delay is None else delay._asdict(),
+        "misplaced": of_joint,
+        "disagreement": None if other is None else other._asdict(),
+    }
 
 
 def payload_data(found: IdentifiedPayload) -> dict[str, Any]:

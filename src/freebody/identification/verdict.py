@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from freebody.identification.identification import IdentificationOutcome, JointFit, is_known
 from freebody.identification.priors import Prior
+from freebody.identification.structure import JudgedStructure
 from freebody.outputs.display import counted
 
 QUANTILE = 1.96
@@ -59,7 +60,13 @@ def _much_more(left: float, expected: float) -> bool:
     return left > _WORSE * expected + _POINTS
 
 
-def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held: Prior) -> str:
+def verdict_of(
+    outcome: str,
+    joints: Sequence[JointFit],
+    scale: ToldScale,
+    held: Prior,
+    structure: JudgedStructure,
+) -> str:
     """The verdict in one sentence, with what it rests on."""
     worst = max(joints, key=lambda x: x.model if x.validation is None else x.validation)
     if outcome == "not validated":
@@ -74,6 +81,8 @@ def verdict_of(outcome: str, joints: Sequence[JointFit], scale: ToldScale, held:
             f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
             f"({worst.joint})"
         )
+    if not structure.fits:
+        return f"{said}; {structure.doubt()}."
     if scale.factors[0] == 0.0:
         return f"{said}; the scale of torques and masses is not told."
     if not is_known(scale.factors):
@@ -128,9 +137,10 @@ def notices_of(
     scale: ToldScale,
     joints: Sequence[JointFit],
     untold: Sequence[str],
+    structure: JudgedStructure,
 ) -> list[str]:
     """Sentences on what an identification rests on and what it does not tell."""
-    found = []
+    found = structure.notices()
     if scale.factors[0] == 0.0:
         found.append(
             "The scale is not told: the logs have currents with unknown gains, and no mass is "
@@ -175,22 +185,33 @@ def notices_of(
             "Single masses, centres and inertias in the model are any that bodies can have and "
             "that give the base parameters; nothing that was held beforehand chose them."
         )
-    wrong = [x.joint for x in joints if not x.law_fits]
-    if wrong:
-        found.append(
-            f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
-            f"rate; intervals of their friction are withdrawn, those of base parameters hold "
-            f"whatever odd function of the rate it is."
-        )
-    coloured = [x.joint for x in joints if x.independent > _NOISY]
-    if coloured:
-        found.append(
-            f"What is left at {', '.join(coloured)} is more than noise; intervals are wider for "
-            f"it, and hold as far as it is independent of the motion."
-        )
+    found += _on_residuals(joints, structure)
     if untold:
         found.append(
             f"{counted(len(untold), 'base parameter')} that these motions do not tell: "
             f"{', '.join(untold)}."
+        )
+    return found
+
+
+def _on_residuals(joints: Sequence[JointFit], structure: JudgedStructure) -> list[str]:
+    """Sentences on joints whose residual is more than noise."""
+    found = []
+    wrong = [x.joint for x in joints if not x.law_fits]
+    if wrong:
+        others = (
+            ", those of base parameters hold whatever odd function of the rate it is"
+            if structure.fits
+            else ""
+        )
+        found.append(
+            f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
+            f"rate; intervals of their friction are withdrawn{others}."
+        )
+    coloured = [x.joint for x in joints if x.independent > _NOISY]
+    if coloured and structure.fits:
+        found.append(
+            f"What is left at {', '.join(coloured)} is more than noise; intervals are wider for "
+            f"it, and hold as far as it is independent of the motion."
         )
     return found

@@ -41,7 +41,7 @@ def identification_page(
     looked for with it."""
     shown = found.fits[-1] if found.fits else None
     tone = _TONES[found.outcome]
-    if tone == "good" and not found.scale_known:
+    if tone == "good" and not found.trusted:
         tone = "open"
     sections = [
         ("verdict", "Verdict", True),

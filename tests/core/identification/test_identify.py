@@ -42,9 +42,9 @@ def held(found, model, kind):
 
 
 def coverage(count, friction, fitted, start=0, **options):
-    """Shares of intervals that hold, of inertial and of friction's, and the joints whose law of
-    friction does not fit."""
-    hits, wrong = {"inertial": [], "friction": []}, 0
+    """Shares of intervals that hold, of inertial and of friction's, of the joints whose law of
+    friction does not fit, and of the logs that seem to be of another structure."""
+    hits, wrong, alarms = {"inertial": [], "friction": []}, 0, 0
     for seed in range(start, start + count):
         rng = np.random.default_rng(seed)
         model = with_random_numbers(ARM, rng, friction)
@@ -52,7 +52,9 @@ def coverage(count, friction, fitted, start=0, **options):
         for kind, hit in hits.items():
             hit += held(found, model, kind)
         wrong += sum(not x.law_fits for x in found.joints)
-    return np.mean(hits["inertial"]), np.mean(hits["friction"] or [1.0]), wrong / (3 * count)
+        alarms += not found.structure.fits or found.structure.delay is not None
+    shares = np.mean(hits["inertial"]), np.mean(hits["friction"] or [1.0])
+    return *shares, wrong / (3 * count), alarms / count
 
 
 def exact(model, bare, rotors, smooth=0.0):
@@ -99,14 +101,15 @@ PANDA = [
 
 
 def test_intervals_hold_about_as_often_as_they_say():
-    inertial, friction, wrong = coverage(12, FRICTION, FRICTION)
+    inertial, friction, wrong, alarms = coverage(12, FRICTION, FRICTION)
     assert inertial > 0.88
     assert friction > 0.88
     assert wrong == 0.0
+    assert alarms == 0.0
 
 
 def test_friction_that_no_law_describes_leaves_intervals_of_bodies_right():
-    inertial, _, wrong = coverage(6, (*FRICTION, "stribeck"), FRICTION)
+    inertial, _, wrong, _ = coverage(6, (*FRICTION, "stribeck"), FRICTION)
     assert inertial > 0.88
     assert wrong > 0.8
 
@@ -114,17 +117,19 @@ def test_friction_that_no_law_describes_leaves_intervals_of_bodies_right():
 @pytest.mark.long
 @pytest.mark.parametrize("laws", [FRICTION, (*FRICTION, "load")])
 def test_intervals_hold_in_95_of_100_cases(laws):
-    inertial, friction, wrong = coverage(200, laws, laws)
+    inertial, friction, wrong, alarms = coverage(200, laws, laws)
     assert 0.93 <= inertial <= 0.97
     assert 0.93 <= friction <= 0.97
     assert wrong < 0.01
+    assert alarms <= 0.02
 
 
 @pytest.mark.long
 def test_friction_outside_the_family_leaves_inertial_intervals():
-    inertial, _, wrong = coverage(200, (*FRICTION, "stribeck"), FRICTION)
+    inertial, _, wrong, alarms = coverage(200, (*FRICTION, "stribeck"), FRICTION)
     assert inertial >= 0.93
     assert wrong > 0.95
+    assert alarms <= 0.03
 
 
 def test_a_law_of_friction_that_does_not_fit_is_told_and_its_intervals_withdrawn():

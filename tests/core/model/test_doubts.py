@@ -14,7 +14,6 @@ import pytest
 
 import freebody as fb
 from freebody import Inertia, Motion
-from freebody.formats.loading import settled
 from freebody.kernels.formulas import FORMULAS
 from freebody.model.doubt_rules.aspects import (
     ALL,
@@ -27,7 +26,7 @@ from freebody.model.doubt_rules.aspects import (
     ROTORS,
     SPEEDS,
 )
-from freebody.model.doubts import DOUBT_KINDS, Doubt
+from freebody.model.doubts import DOUBT_KINDS, Doubt, tied
 from support.command import run
 
 pytestmark = [
@@ -44,6 +43,11 @@ def arm(limits=LIMITS, rotor: float = 1e-4, **numbers) -> fb.Model:
     given |= {"I": [0.04, 0.015, 0.004]} | numbers
     drives = [fb.Drive(viscous=0.3, rotor=rotor, gear=50)] * 3
     return fb.planar("RRR", **given, limits=limits, drives=drives)
+
+
+def settled(model: fb.Model) -> fb.Model:
+    """A model with its file's doubts tied to its numbers, as loading does."""
+    return replace(model, notices=tied(model.notices, model))
 
 
 def told_by_file(kind: str) -> fb.Model:
