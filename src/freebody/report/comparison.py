@@ -18,9 +18,9 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.files import write
-from freebody.outputs.number_text import significant
+from freebody.outputs.number_text import percent, significant
 from freebody.outputs.pdf import pdf
-from freebody.report.results import percent
+from freebody.report.card import CardRow
 from freebody.report.study import Study
 
 _FEWEST = 2
@@ -126,7 +126,7 @@ class StudyComparison(Tabled):
         rows = [study.card.rows for study in self.studies]
         labels = ("carries", "can be run", "gives out first")
         return tuple(
-            CaseRow(label, tuple(f"{own[k].value} {own[k].unit}".strip() for own in rows))
+            CaseRow(label, tuple(_answer(own[k], label) for own in rows))
             for k, label in enumerate(labels)
         )
 
@@ -244,6 +244,12 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> StudyComparison:
     differences = tuple(one for one in _given(given) if len(set(one.each)) > 1)
     drives, by_order = _beside(given)
     return StudyComparison(names, tuple(given), differences, drives, by_order)
+
+
+def _answer(row: CardRow, label: str) -> str:
+    """The value of a row of a card, with what its own label says beyond one that all share."""
+    beyond = row.label.removeprefix(label) if row.label.startswith(label) else ""
+    return f"{row.value} {row.unit}".strip() + beyond
 
 
 def _given(studies: Sequence[Study]) -> list[CaseRow]:
