@@ -15,7 +15,7 @@ from freebody.by_value import ByValue
 from freebody.capacity.fitted_parts import FittedParts
 from freebody.capacity.loaded_case import LoadedCase
 from freebody.capacity.part_loads import part_loads
-from freebody.capacity.payload_limits import LIMIT_OF_NAME, by_kinds, limited_parts
+from freebody.capacity.payload_limits import LIMIT_OF_NAME, by_limits, limited_parts
 from freebody.capacity.reached_masses import along, reached_masses
 from freebody.capacity.segments import LoadedSegment, loaded_segments
 from freebody.capacity.time_scaling import motion_pace
@@ -117,7 +117,7 @@ class LargestPayload(Tabled, ByValue):
     def by(self) -> str:
         """Words on what is counted: nothing else, such as bearings that nobody gave, limits the
         masses."""
-        return by_kinds(LIMIT_OF_NAME[name].what for name in self.limits)
+        return by_limits(self.limits)
 
     @property
     def card(self) -> str:

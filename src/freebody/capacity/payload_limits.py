@@ -162,9 +162,11 @@ LIMIT_OF_NAME = {limit.name: limit for limit in PAYLOAD_LIMITS}
 """A limit of each name; those of one name have the same words."""
 
 
-def by_kinds(kinds: Iterable[str]) -> str:
-    """Words on the kinds of parts by which a payload is judged: 'by its drives and brakes'."""
-    return f"by its {listed(f'{kind}s' for kind in dict.fromkeys(kinds))}"
+def by_limits(names: Iterable[str]) -> str:
+    """Words on the kinds of parts whose limits of these names judge a payload: 'by its drives and
+    brakes'."""
+    kinds = dict.fromkeys(LIMIT_OF_NAME[name].what for name in names)
+    return f"by its {listed(f'{kind}s' for kind in kinds)}"
 
 
 # ------------------------------------------------------------ the mass at a limit

@@ -137,5 +137,8 @@ def test_the_command_takes_each_case_with_its_own_options(tmp_path, monkeypatch,
     assert "'pendulum --pyload 2': No such option: --pyload" in capsys.readouterr().err
     assert run(["compare", "pendulum", "pendulum 'a"]) == 2
     assert "No closing quotation" in capsys.readouterr().err
+    (tmp_path / "day.toml").write_text("[[segment]]\npoints = [[0.0], [1.0]]\ntimes = [0, 1]\n")
+    assert run(["compare", "pendulum --motion day.toml", "pendulum"]) == 2
+    assert "day.toml is a duty cycle, and one motion each" in capsys.readouterr().err
     assert run(["compare", "pendulum", "pendulum", "--out", "p.txt"]) == 2
     assert "expected an .html or .pdf file" in capsys.readouterr().err

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.cli.app import run
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.report.study_figures import NAMES
 
@@ -37,6 +38,11 @@ def test_every_figure_stands_alone(study, name, tmp_path):
     assert "http" not in written.replace("http://www.w3.org/2000/svg", "")
     assert "<script" not in written
     assert len(figure.titles) == len(figure.panels) >= 1
+
+
+def test_the_command_names_every_figure(capsys):
+    assert run(["study", "--help"]) == 0
+    assert set(NAMES) <= set(re.findall(r"\w+", capsys.readouterr().out))
 
 
 def test_panels_of_unlike_units_are_all_there(study):
