@@ -222,7 +222,7 @@ def _of_text(model: Model, text: str) -> tuple[Any, None]:
 
 
 def _of_tip(model: Model, count: int) -> str:
-    """What to do with a waypoint of so many numbers that may be a place of the tip."""
+    """A sentence on a waypoint of so many numbers that may be a place of the tip, else none."""
     if count not in (model.dim, 3 * model.dim - 3):
         return ""
     return (

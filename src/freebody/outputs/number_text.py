@@ -84,8 +84,8 @@ def percent(share: float) -> str:
 
 
 def lifetime(hours: float) -> str:
-    """How long a part lives, with three digits, rounded down; beyond a million hours no law of wear
-    was measured, and no machine runs."""
+    """A life with three digits, rounded down; beyond a million hours no law of wear was measured,
+    and no machine runs."""
     if hours > _UNLIMITED:
         return f"practically unlimited (beyond {_UNLIMITED:.0e} h)".replace("e+0", "e")
     digits = rounded_down(hours)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _ROUNDING = 1e-13
-"""Of the largest of all drives: what is smaller is what rounding leaves of zero."""
+"""Relative to the largest of all drives: rounding leaves that much of zero."""
 _CANCELLED = 1e-6  # of the work done: a difference that samples do not resolve
 
 
