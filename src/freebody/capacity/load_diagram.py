@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.by_value import ByValue
 from freebody.capacity.payload import payload
+from freebody.capacity.payload_limits import by_limits
 from freebody.design.drive_loads import ChosenDrives
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
@@ -23,6 +24,7 @@ from freebody.model.doubts import Doubt, attribute, in_one_line, named
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.number_text import rounded_down
 from freebody.reach.labelled_maps import labelled
 from freebody.trees.public_calls import FrameWrenchTable, JointVector
 
@@ -64,6 +66,11 @@ class LoadDiagram(Tabled, ByValue, Pictured):
         return np.asarray(self.by_joint.min(axis=-1))
 
     @property
+    def by(self) -> str:
+        """Words on what is counted, as of `fb.payload`."""
+        return by_limits(self.limits)
+
+    @property
     def picture(self) -> Picture:
         """The diagram: mass over offset in mm, a curve for each part that limits somewhere, or
         nearly; what lies below all of them is carried."""
@@ -74,7 +81,7 @@ class LoadDiagram(Tabled, ByValue, Pictured):
             for name, own in zip(self.parts, self.by_joint.T, strict=True)
             if (own <= top).sum() > 1
         } or {"nothing limits": np.full(len(mass), np.nan)}
-        title = f"Largest payload over its offset along {self.along} of {self.frame}"
+        title = f"Largest payload over its offset along {self.along} of {self.frame}, {self.by}"
         across = "offset in mm"
         size = (460.0, 300.0)
         return plot(
@@ -101,9 +108,9 @@ class LoadDiagram(Tabled, ByValue, Pictured):
 
     def _title(self) -> str:
         return (
-            f"Load diagram: {self.mass[0]:.3g} kg at {1e3 * self.offsets[0]:.4g} mm to "
-            f"{self.mass[-1]:.3g} kg at {1e3 * self.offsets[-1]:.4g} mm along {self.along} of "
-            f"{self.frame!r}{named(self.doubts)}"
+            f"Load diagram: {_carried(self.mass[0])} at {1e3 * self.offsets[0]:.4g} mm to "
+            f"{_carried(self.mass[-1])} at {1e3 * self.offsets[-1]:.4g} mm along {self.along} of "
+            f"{self.frame!r}, {self.by}{named(self.doubts)}"
         )
 
     def _table(self) -> TextTable:
@@ -114,6 +121,11 @@ class LoadDiagram(Tabled, ByValue, Pictured):
         ]
         notes = [in_one_line(self.doubts)] if self.doubts else []
         return TextTable(("offset (mm)", "payload (kg)", "what limits it"), rows, notes)
+
+
+def _carried(mass: float) -> str:
+    """A mass in words, rounded down: it is promised."""
+    return f"{rounded_down(float(mass))} kg" if np.isfinite(mass) else "any mass"
 
 
 def load_diagram(

@@ -15,7 +15,7 @@ from freebody.by_value import ByValue
 from freebody.capacity.fitted_parts import FittedParts
 from freebody.capacity.loaded_case import LoadedCase
 from freebody.capacity.part_loads import part_loads
-from freebody.capacity.payload_limits import LIMIT_OF_NAME, limited_parts
+from freebody.capacity.payload_limits import LIMIT_OF_NAME, by_limits, limited_parts
 from freebody.capacity.reached_masses import along, reached_masses
 from freebody.capacity.segments import LoadedSegment, loaded_segments
 from freebody.capacity.time_scaling import motion_pace
@@ -114,9 +114,15 @@ class LargestPayload(Tabled, ByValue):
         return f"{self.parts[k]} {does}{when}"
 
     @property
+    def by(self) -> str:
+        """Words on what is counted: nothing else, such as bearings that nobody gave, limits the
+        masses."""
+        return by_limits(self.limits)
+
+    @property
     def card(self) -> str:
-        """One line: how much is carried, what limits it, and how much faster without it; of several
-        motions or postures the least."""
+        """One line: how much is carried by what is counted, what limits it, and how much faster
+        without it; of several motions or postures the least."""
         if not self.told:
             return self.remark
         where, at = self._where(), self.least
@@ -124,7 +130,7 @@ class LargestPayload(Tabled, ByValue):
             return f"carries any mass {where}: {self.remark}"
         if self.overloaded[at]:
             return f"carries nothing {where} · {self.remark}"
-        told = [f"carries {rounded_down(float(self.mass[at]))} kg {where}", self.remark]
+        told = [f"carries {rounded_down(float(self.mass[at]))} kg {self.by} {where}", self.remark]
         if np.isfinite(self.faster) and self.faster >= 1.0:
             pace = rounded_down(self.faster, 2)
             told.append(

@@ -14,7 +14,7 @@ or falls with m all the way, and the mass at its limit has a closed form too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,6 +24,7 @@ from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.capacity.fitted_parts import BEARING_LIMITS, BearingLimit
 from freebody.capacity.loaded_case import AffineLoad, CaseAtStates, LoadedCase, without_rounding
+from freebody.errors import listed
 from freebody.model.losses import lossy_joints
 from freebody.motion.ranges import CLOSE
 from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
@@ -159,6 +160,13 @@ PAYLOAD_LIMITS: tuple[PayloadLimit, ...] = (
 
 LIMIT_OF_NAME = {limit.name: limit for limit in PAYLOAD_LIMITS}
 """A limit of each name; those of one name have the same words."""
+
+
+def by_limits(names: Iterable[str]) -> str:
+    """Words on the kinds of parts whose limits of these names judge a payload: 'by its drives and
+    brakes'."""
+    kinds = dict.fromkeys(LIMIT_OF_NAME[name].what for name in names)
+    return f"by its {listed(f'{kind}s' for kind in kinds)}"
 
 
 # ------------------------------------------------------------ the mass at a limit

@@ -104,7 +104,14 @@ def _case(
     brake: fitted_parts.GivenBrakes = None,
     bearing: fitted_parts.GivenBearings = None,
 ) -> Any:
+    from freebody.motion.motion import Motion
+
     model = robot.load()
     given = None if motion is None else motions.read(model, motion)
+    if given is not None and not isinstance(given, Motion):
+        raise FreebodyError(
+            f"{motion} is a duty cycle, and one motion each is compared; give a CSV file. In "
+            f"Python fb.compare(study.segments) has the segments of a cycle beside each other."
+        )
     parts = fitted_parts.read(catalogue, brake, bearing)
     return computed(robot, model, given, smooth, measured, parts, lambda text, done: None)

@@ -12,7 +12,7 @@ import typer
 from freebody.cli import numbers, options, terminal
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable, counted
-from freebody.outputs.number_text import compared
+from freebody.outputs.number_text import compared, percent
 
 if TYPE_CHECKING:
     from freebody.arrays import Array
@@ -206,18 +206,29 @@ def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
 
 def _of_text(model: Model, text: str) -> tuple[Any, None]:
     """Positions of waypoints typed as text, rows apart by semicolons."""
-    rows = [numbers.values("waypoints", row) for row in text.split(";") if row.strip()]
+    texts = [row.strip() for row in text.split(";") if row.strip()]
+    rows = [numbers.values("waypoints", row) for row in texts]
     names = model.position_names
     if model.loops and rows and len(rows[0]) != model.nq:
         names = model.driven_names
-    for k, row in enumerate(rows):
+    for typed, row in zip(texts, rows, strict=True):
         if len(row) != len(names):
             what = "driven joints" if names is not model.position_names else "positions"
             raise FreebodyError(
-                f"waypoint {k} has {len(row)} positions, {model.name!r} has {len(names)} {what}: "
-                f"{listed(names, 8)}."
+                f"waypoint {typed!r} has {len(row)} positions, {model.name!r} has {len(names)} "
+                f"{what}: {listed(names, 8)}.{_of_tip(model, len(row))}"
             )
     return rows, None
+
+
+def _of_tip(model: Model, count: int) -> str:
+    """A sentence on a waypoint of so many numbers that may be a place of the tip, else none."""
+    if count not in (model.dim, 3 * model.dim - 3):
+        return ""
+    return (
+        " Where these are places of the tip in metres: --line leads it from one position to them, "
+        "and a duty cycle has them as tip = […], for study, size and payload --motion cycle.toml."
+    )
 
 
 def _cleared(position: float) -> float:
@@ -254,11 +265,11 @@ def _print(model: Model, motion: Motion, path: Path, again: str, case: str, of_t
                 name,
                 *ends,
                 f"{found.velocity.size[k]:.4g} {unit}/s",
-                f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
+                percent(float(share)) if limits.velocity[k] < float("inf") else "",
                 f"{found.acceleration.size[k]:.4g} {unit}/s²",
             )
         )
-    head = ("joint", "from", "to", "peak speed", "of its limit", "peak acceleration")
+    head = ("joint", "lowest", "highest", "peak speed", "of its limit", "peak acceleration")
     terminal.table(TextTable(head, rows))
     out.print(f"written: {path}", soft_wrap=True)
     out.print(f"again:   {again}", soft_wrap=True)
@@ -320,7 +331,8 @@ class TipPathOptions:
         if self.radius is None or len(points) == 1:
             raise FreebodyError(
                 f"--line has {counted(len(points), 'target')}; several need --radius, metres from "
-                f"a corner at which its rounding begins, and one has no corner."
+                f"a corner at which its rounding begins, and one has no corner. With a stop at "
+                f"each place: a duty cycle with tip = […], for study --motion cycle.toml."
             )
         return tip_motions.blend(model, q0, targets, self.radius, **every)
 

@@ -79,7 +79,9 @@ def study(
         typer.Option(
             metavar="NAME=FILE",
             help="A figure by itself, .svg or .pdf, such as torques=torques.svg or "
-            "animation=moves.svg; repeatable. Names: as of study.figure.",
+            "animation=moves.svg; repeatable. Names: robot, animation, free_bodies, kinematics, "
+            "gravity, lifting, motion, followers, torques, powers, energies, reactions, drift, "
+            "residual.",
         ),
     ] = None,
 ) -> None:

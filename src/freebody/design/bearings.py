@@ -21,6 +21,7 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model
 from freebody.model.placement import Placement
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import lifetime
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +52,9 @@ class BearingLoads(Tabled, ByValue):
     def _title(self) -> str:
         joints = counted(self.data.sizes["joint"], "joint")
         lives = self.summary["bearing_life"]
-        shortest = "" if lives.isnull().all() else f"; the shortest life {float(lives.min()):.4g} h"
+        shortest = (
+            "" if lives.isnull().all() else f"; the shortest life {lifetime(float(lives.min()))}"
+        )
         return f"Bearings of {self.model.name!r}: {joints}{shortest}"
 
     def _table(self) -> TextTable:
@@ -67,7 +70,7 @@ class BearingLoads(Tabled, ByValue):
                     f"{of.peak_tilting_moment:.4g} N m",
                     self.bearings[name].name if given else "",
                     f"{of.equivalent_load:.4g} N" if given else "",
-                    f"{float(lives.min()):.4g} h" if given else "",
+                    lifetime(float(lives.min())) if given else "",
                 )
             )
         head = ("joint", "radial", "axial", "tilting", "bearing", "equivalent", "life")

@@ -41,6 +41,7 @@ from freebody.model.doubts import doubts_used
 from freebody.model.drives import LAWS
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import lifetime
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,7 +111,7 @@ def limit_table(found: DriveLoads) -> TextTable:
         shares = np.nan_to_num(found.uses.sel(joint=name).values)
         k = int(np.argmax(shares))
         life = float(found.summary["gear_life"].sel(joint=name).min())
-        lasts = "" if np.isnan(life) else f"{life:.4g} h"
+        lasts = "" if np.isnan(life) else lifetime(life)
         rows.append((name, motor.name, gear.name, LIMITS[k].name, used(shares[k]), lasts))
     head = ("joint", "motor", "gear", "limit used most", "used", "life of the gear")
     return TextTable(head, rows, found.notices)

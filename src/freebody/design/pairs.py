@@ -20,6 +20,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.design.parts import Gear, Motor
 from freebody.lazy import Keeps, cached_property, kept
+from freebody.outputs.number_text import percent
 from freebody.trees.position_rates import Index
 
 
@@ -359,12 +360,12 @@ def margin_of(share: float) -> float:
 
 def used(share: float) -> str:
     """How much is used of a limit, infinite where a part gives nothing of what is needed."""
-    return "beyond it" if np.isinf(share) else f"{100.0 * share:.4g} %"
+    return "beyond it" if np.isinf(share) else percent(share)
 
 
 def used_of(share: float, limit: str) -> str:
     """How much is used of a limit that is called so, such as 'its brake'."""
-    return f"more than {limit}" if np.isinf(share) else f"{100.0 * share:.4g} % of {limit}"
+    return f"more than {limit}" if np.isinf(share) else f"{percent(share)} of {limit}"
 
 
 PEAK, CONTINUOUS = (

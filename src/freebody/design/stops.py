@@ -19,6 +19,7 @@ from freebody.design.pairs import holding_torque, used
 from freebody.design.parts import Gear, Motor
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.number_text import percent
 from freebody.trees.dynamics import mass_matrix
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class EmergencyStops(Tabled, ByValue):
                     f"{of.time:.3g} s",
                     f"{of.way:.3g} {'rad' if joint.turns else 'm'}",
                     f"{of.gear_torque:.4g} {'N m' if joint.turns else 'N'}",
-                    "" if np.isnan(share) else f"{100.0 * share:.3g} %",
+                    "" if np.isnan(share) else percent(share),
                 )
             )
         head = ("joint", "of its brake to hold", "stops in", "way", "load", "of momentary torque")

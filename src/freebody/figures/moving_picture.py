@@ -20,12 +20,15 @@ _RATE = 15.0
 _MOST = 75
 """Poses of a motion; of a long one they are further apart in time."""
 _STYLE = (
-    ".pose{visibility:hidden;animation:pose %.9gs step-end infinite}"
-    ".pose:nth-of-type(1){visibility:visible}"
-    "@keyframes pose{0%%{visibility:visible}%.9g%%,100%%{visibility:hidden}}"
-    "@media (prefers-reduced-motion:reduce){.pose{animation:none}}"
+    ".pose{visibility:hidden;animation:step-end infinite}"
+    "@keyframes pose%d{0%%{visibility:visible}%.9g%%,100%%{visibility:hidden}}"
+    "@media (prefers-reduced-motion:reduce){.pose{animation:none!important}}"
 )
-"""Shows one pose after the other: the seconds of a round, and the share of a pose in per cent."""
+"""Shows one pose after the other: the number of poses, and the share of one in per cent.
+
+What else a motion has of its own each pose says itself, so that several pictures may stand in one
+page, where style sheets count for all.
+"""
 
 
 def moving_picture(
@@ -60,10 +63,12 @@ def moving_picture(
         ]
     below, *drawn = alike([scene, *moments], width, tallest)
     frames = (
-        f'<g class="pose" style="animation-delay:{seconds * (k / count - 1.0):.4g}s">{one.body}</g>'
+        f'<g class="pose" style="animation-delay:{seconds * (k / count - 1.0):.9g}s;'
+        f"animation-duration:{seconds:.9g}s;animation-name:pose{count}"
+        f'{"" if k else ";visibility:visible"}">{one.body}</g>'
         for k, one in enumerate(drawn)
     )
-    style = f"<style>{_STYLE % (seconds, 100.0 / count)}</style>"
+    style = f"<style>{_STYLE % (count, 100.0 / count)}</style>"
     return Picture(style + below.body + "".join(frames), width, below.height, scene.title)
 
 

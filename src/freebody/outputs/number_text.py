@@ -9,6 +9,10 @@ from itertools import combinations
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _ALL = 17
 """Digits that tell any two floats apart."""
+_LIMIT_SLACK = 1e-9
+"""Relative: a share of a limit that is beyond it by no more is at it."""
+_UNLIMITED = 1e6
+"""Hours, a century."""
 SMALLEST, LARGEST = -3, 5
 """Powers of ten from which and below which a number has no exponent."""
 
@@ -68,6 +72,24 @@ def rounded_up(value: float, digits: int = 4) -> str:
     if float(text) >= value:
         return text
     return f"{value + 0.5 * 10.0 ** (decade(value) - digits + 1):.{digits}g}"
+
+
+def percent(share: float) -> str:
+    """A fraction as a percentage that is not rounded across the limit: 100.4 % does not become 100
+    %."""
+    decimals = 0 if not _LIMIT_SLACK < abs(share - 1.0) < 0.01 else 2
+    while share > 1.0 + _LIMIT_SLACK and float(f"{100 * share:.{decimals}f}") <= 100.0:
+        decimals += 1
+    return f"{100 * share:.{decimals}f} %"
+
+
+def lifetime(hours: float) -> str:
+    """A life with three digits, rounded down; beyond a million hours no law of wear was measured,
+    and no machine runs."""
+    if hours > _UNLIMITED:
+        return f"practically unlimited (beyond {_UNLIMITED:.0e} h)".replace("e+0", "e")
+    digits = rounded_down(hours)
+    return f"{float(digits):.0f} h" if hours >= 100.0 else f"{digits} h"
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -61,6 +61,9 @@ class Card(Tabled):
     first: LimitUse | None
     """The limit of speed, torque, power, brake or bearing that the motion uses most, or exceeds
     most, or a range that it leaves; None where none can be told of."""
+    payload_by: str = ""
+    """Words on the limits that judge the payload, "by its drives" and whatever else is given; empty
+    where no mass is told of."""
     partly: bool = False
     """Whether some limits are not judged, so that another may give out before."""
 
@@ -69,7 +72,11 @@ class Card(Tabled):
         """The card as rows of texts: label, value, unit, remark."""
         first = self.first
         return (
-            CardRow("carries", *_number(self.payload, "kg"), self.payload_remark),
+            CardRow(
+                f"carries {self.payload_by}".rstrip(),
+                *_number(self.payload, "kg"),
+                self.payload_remark,
+            ),
             CardRow(
                 "has to be slowed down to" if self.faster < 1.0 else "can be run",
                 *_number(self.faster, "times as fast"),
@@ -124,6 +131,7 @@ def card(
         payload_joint=joint,
         payload_time=time,
         payload_remark=remark,
+        payload_by=found.by if found is not None and np.isfinite(mass) else "",
         faster=np.nan if _unlimited(judged) else judged.factor,
         faster_joint=limit.coordinate if limit else "",
         faster_quantity=limit.quantity if limit else "",

@@ -18,9 +18,9 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.files import write
-from freebody.outputs.number_text import significant
+from freebody.outputs.number_text import percent, significant
 from freebody.outputs.pdf import pdf
-from freebody.report.results import percent
+from freebody.report.card import CardRow
 from freebody.report.study import Study
 
 _FEWEST = 2
@@ -67,9 +67,15 @@ class Compared:
             return "–"
         if self.unit == "%":
             return percent(value)
+        return f"{significant(value)} {self.unit_of(study, drive)}"
+
+    def unit_of(self, study: Study, drive: str) -> str:
+        """The unit of the quantity of one drive, which turns or slides; empty where it has none."""
+        if not drive:
+            return ""
         turning, _, sliding = self.unit.partition("|")
         slides = str(study.summary["unit"].sel(coordinate=drive).values) == "m"
-        return f"{significant(value)} {sliding if slides and sliding else turning}"
+        return sliding if slides and sliding else turning
 
     def value(self, study: Study, drive: str) -> float:
         """The quantity of one drive; NaN where it has none."""
@@ -126,7 +132,7 @@ class StudyComparison(Tabled):
         rows = [study.card.rows for study in self.studies]
         labels = ("carries", "can be run", "gives out first")
         return tuple(
-            CaseRow(label, tuple(f"{own[k].value} {own[k].unit}".strip() for own in rows))
+            CaseRow(label, tuple(_answer(own[k], label) for own in rows))
             for k, label in enumerate(labels)
         )
 
@@ -143,15 +149,26 @@ class StudyComparison(Tabled):
         """A quantity of one row of drives, study by study: after the first with how many times it
         is what it is there."""
         first = abs(quantity.value(self.studies[0], row.of[0]))
+        unit = quantity.unit_of(self.studies[0], row.of[0])
         found = []
         for k, (study, drive) in enumerate(zip(self.studies, row.of, strict=True)):
             ratio = abs(quantity.value(study, drive)) / first if first > 0 else math.nan
-            alike = abs(ratio - 1.0) < _ALIKE
-            times = k > 0 and quantity.unit != "%" and math.isfinite(ratio) and not alike
+            like = quantity.unit_of(study, drive) == unit != "%"
+            times = k > 0 and like and math.isfinite(ratio) and abs(ratio - 1.0) >= _ALIKE
             found.append(
                 quantity.text(study, drive) + (f" (× {significant(ratio, 3)})" if times else "")
             )
         return tuple(found)
+
+    @property
+    def unlike_kinds(self) -> tuple[str, ...]:
+        """The rows in which a drive that turns stands beside one that slides: no axis has both."""
+        peak = _QUANTITIES[0]
+        return tuple(
+            row.name
+            for row in self.drives
+            if len({peak.unit_of(*x) for x in zip(self.studies, row.of, strict=True)} - {""}) > 1
+        )
 
     def alike(self, quantity: Compared) -> bool:
         """Whether a quantity is the same in all studies, drive by drive."""
@@ -240,10 +257,16 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> StudyComparison:
         raise FreebodyError(
             f"compare: {counted(len(given), 'study')} given, expected {_FEWEST} to {_MOST}."
         )
-    names = tuple(map(str, studies)) if isinstance(studies, Mapping) else _called(given)
+    names = _named(studies) if isinstance(studies, Mapping) else _called(given)
     differences = tuple(one for one in _given(given) if len(set(one.each)) > 1)
     drives, by_order = _beside(given)
     return StudyComparison(names, tuple(given), differences, drives, by_order)
+
+
+def _answer(row: CardRow, label: str) -> str:
+    """The value of a row of a card, with what its own label says beyond one that all share."""
+    beyond = row.label.removeprefix(label) if row.label.startswith(label) else ""
+    return f"{row.value} {row.unit}".strip() + beyond
 
 
 def _given(studies: Sequence[Study]) -> list[CaseRow]:
@@ -275,6 +298,17 @@ def _alike(a: Motion, b: Motion) -> bool:
         return False
     both, i, j = np.intersect1d(a.t, b.t, return_indices=True)
     return 2 * len(both) > len(a.t) and np.allclose(a.q[i], b.q[j], rtol=0.0, atol=_SAME)
+
+
+def _named(studies: Mapping[str, Study]) -> tuple[str, ...]:
+    """The names of studies as they were given; refuses those by which nobody tells them apart."""
+    names = tuple(str(name).strip() for name in studies)
+    for name in names:
+        if not name:
+            raise FreebodyError("compare: a study is named ''; give it a word.")
+        if names.count(name) > 1:
+            raise FreebodyError(f"compare: two studies are named {name!r}; give each its own name.")
+    return names
 
 
 def _called(studies: Sequence[Study]) -> tuple[str, ...]:

@@ -50,7 +50,14 @@ def comparison_page(found: StudyComparison) -> str:
         torques=list(_over_time(found, "tau", "effort_unit", limited=True)),
         speeds=list(_over_time(found, "qd", "unit", suffix="/s")),
         power=_power(found),
+        apart=_apart(found),
     )
+
+
+def _apart(found: StudyComparison) -> str:
+    """Words on drives that no plot shows, since one turns and one slides."""
+    rows = listed(found.unlike_kinds)
+    return f" Not drawn, since one turns and one slides: {rows}." if rows else ""
 
 
 def _words(caption: str, found: StudyComparison, given: Sequence[CaseRow]) -> ReportTable:
@@ -88,8 +95,8 @@ def _over_time(
             str(study.data[unit].sel(coordinate=drive).values)
             for study, drive in _having(found, row)
         }
-        if len(units) > 1:
-            continue  # a turn beside a slide: no one axis has both
+        if row.name in found.unlike_kinds:
+            continue
         limits = found.limits(row)
         same = limited and len(limits) == 1 and np.isfinite(next(iter(limits)))
         bounds = (-min(limits), min(limits)) if same else ()

@@ -13,10 +13,10 @@ from freebody.arrays import Array
 from freebody.figures.plots import Plot, plot
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import counted
+from freebody.outputs.number_text import percent
 from freebody.report.page import rendered, source
 from freebody.report.page_figures import CaptionedDrawing, robot
 from freebody.report.printed_columns import by_coordinate, effort_title
-from freebody.report.results import percent
 from freebody.report.tables import Head, ReportTable, WordsCell, table, typeset
 
 if TYPE_CHECKING:
@@ -92,20 +92,21 @@ def work(study: CycleStudy) -> ReportTable:
 def segments(study: CycleStudy) -> ReportTable:
     """The table of the segments: how long each is, what it carries, and its worst instant."""
     rows = []
-    for given, segment in zip(study.cycle.segments, study.segments, strict=True):
+    each = zip(study.cycle.segments, study.segments, study.loads, strict=True)
+    for given, segment, load in each:
         worst = segment.worst
         rows.append(
             (
                 f"{segment.motion.duration:.4g} s",
                 f"{given.dwell:.4g} s" if given.dwell else "–",
-                f"{segment.load_case.payload:.4g} kg",
+                f"{load:.4g} kg",
                 worst.coordinate,
                 f"{worst.value:.4g} {worst.unit}",
                 f"{worst.time:.3g} s",
                 percent(worst.fraction) if np.isfinite(worst.fraction) else "–",
             )
         )
-    heads = ("moves", "rests", "carries", "worst drive", "torque, force", "at", "of its limit")
+    heads = ("moves", "rests", "its load", "worst drive", "torque, force", "at", "of its limit")
     columns = [[WordsCell(typeset(text)) for text in column] for column in zip(*rows, strict=True)]
     names = [WordsCell(str(k), strong=True) for k in range(1, len(rows) + 1)]
     return table(

@@ -29,10 +29,11 @@ from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.files import write
+from freebody.outputs.number_text import percent
 from freebody.outputs.pdf import pdf
 from freebody.report.card import Card, card
-from freebody.report.load_case import LoadCase
-from freebody.report.results import LimitUse, MotionVerdict, percent
+from freebody.report.load_case import LoadCase, carried_mass
+from freebody.report.results import LimitUse, MotionVerdict
 from freebody.report.series import coordinates
 from freebody.report.summary import drive_table, energy_text
 from freebody.report.variables import dataset
@@ -84,6 +85,12 @@ class CycleStudy(Tabled, ByValue):
         return tuple(segment.load_case for segment in self.segments)
 
     @property
+    def loads(self) -> tuple[float, ...]:
+        """The mass (kg) of the load of each segment, without what the robot carries in all."""
+        always = carried_mass(self.model)
+        return tuple(max(case.payload - always, 0.0) for case in self.load_cases)
+
+    @property
     def checked(self) -> bool:
         """Whether all of freebody's checks on itself passed, in every segment."""
         return all(segment.checked for segment in self.segments)
@@ -108,11 +115,11 @@ class CycleStudy(Tabled, ByValue):
         """The worst instant of each segment: which drive, when, how much."""
         rows = []
         for k, study in enumerate(self.segments, 1):
-            of, load = study.worst, study.load_case.payload
+            of, load = study.worst, self.loads[k - 1]
             share = "" if np.isnan(of.fraction) else percent(of.fraction)
             value = f"{of.value:.4g} {of.unit}"
             rows.append((str(k), f"{load:.4g} kg", of.coordinate, value, f"{of.time:.3g} s", share))
-        head = ("segment", "carries", "worst", "torque", "at", "of effort limit")
+        head = ("segment", "its load", "worst", "torque", "at", "of effort limit")
         return TextTable(head, rows)
 
     def _title(self) -> str:

@@ -15,7 +15,7 @@ from freebody.model.model import Model
 from freebody.motion.files.csv_files import read_torques
 from freebody.motion.motion import vector_of_times
 from freebody.motion.ranges import with_drive
-from freebody.report.results import percent
+from freebody.outputs.number_text import percent
 from freebody.report.summary import mean
 from freebody.report.variables import dataset
 

@@ -11,7 +11,7 @@ from freebody.capacity.time_scaling import Pace
 from freebody.model.doubts import Doubt
 from freebody.motion.ranges import CLOSE
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
-from freebody.outputs.number_text import compared
+from freebody.outputs.number_text import compared, percent
 
 VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
@@ -149,15 +149,6 @@ def instant(time: float, segment: int = 0) -> str:
     if time != time:
         return ""
     return f" at t = {time:.3g} s" + (f" of segment {segment}" if segment else "")
-
-
-def percent(share: float) -> str:
-    """A fraction as a percentage that is not rounded across the limit: 100.4 % does not become 100
-    %."""
-    decimals = 0 if abs(share - 1.0) >= 0.01 else 2
-    while share > 1.0 + CLOSE and float(f"{100 * share:.{decimals}f}") <= 100.0:
-        decimals += 1
-    return f"{100 * share:.{decimals}f} %"
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from freebody.motion.files.measured_motions import recognised, smoothed
 from freebody.motion.files.motion_tables import MotionTable, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Flags, angular, ranges, with_drive
-from freebody.report.results import percent
+from freebody.outputs.number_text import percent
 from freebody.trees.position_rates import Index
 
 Smooth = bool | float | None

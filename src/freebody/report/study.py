@@ -182,9 +182,9 @@ class Study(Tabled, ByValue):
         name
             "robot" (at the worst instant), "animation" (the motion in its own time, without
             script), "free_bodies", "kinematics" (path of the tip, speed, nearness to singular
-            poses), "gravity", "lifting", "motion", "followers" (joints that no drive moves),
-            "torques" (of each drive with its parts), "powers", "energies", "reactions", "drift" (of
-            the replay) or "residual" (of the energies).
+            poses), "gravity", "lifting", "motion", "followers" (joints that loops lead), "torques"
+            (of each drive with its parts), "powers", "energies", "reactions", "drift" (of the
+            replay) or "residual" (of the energy balance).
         only
             The panels that it has, one or several of the figure's `titles`, such as a joint's name;
             default all.

@@ -74,7 +74,9 @@ def study_figure(study: Study, name: str, only: str | Sequence[str] | None) -> S
             f"study.figure: {study.model.name!r} has no figure {name!r}: there is nothing to draw."
         )
     if only is not None:
-        wanted = (only,) if isinstance(only, str) else tuple(only)
+        wanted = (only,) if isinstance(only, str) else tuple(dict.fromkeys(only))
+        if not wanted:
+            raise FreebodyError("study.figure: only names no panel; leave it out for all of them.")
         titles = dict.fromkeys(one.title for one in drawn)
         for title in wanted:
             if title not in titles:

@@ -16,8 +16,8 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, angular, position_columns, ranges, with_drive
 from freebody.outputs.display import TextTable
-from freebody.outputs.number_text import compared
-from freebody.report.results import LimitUse, StaticPose, Worst, percent
+from freebody.outputs.number_text import compared, percent
+from freebody.report.results import LimitUse, StaticPose, Worst
 from freebody.report.series import coordinates
 from freebody.report.variables import dataset
 from freebody.trees import dynamics
@@ -25,6 +25,8 @@ from freebody.trees import dynamics
 if TYPE_CHECKING:
     import xarray as xr
 
+_ROUNDING = 1e-13
+"""Relative to the largest of all drives: rounding leaves that much of zero."""
 _CANCELLED = 1e-6  # of the work done: a difference that samples do not resolve
 
 
@@ -211,13 +213,18 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
 def drive_table(model: Model, found: xr.Dataset) -> TextTable:
     """A table of what each drive must give, from `Study.summary`."""
     rows = []
+    quantities = ("peak_torque", "rms_torque", "peak_speed", "peak_power")
+    floors = {x: _ROUNDING * float(np.abs(found[x].values).max(initial=0.0)) for x in quantities}
     for name in model.driven_names:
         of = found.sel(coordinate=name)
         unit, effort, share = str(of.unit.values), str(of.effort_unit.values), of.effort_fraction
+        torque, rms, speed, power = (
+            f"{float(of[quantity]) if abs(of[quantity]) > floor else 0.0:.4g}"
+            for quantity, floor in floors.items()
+        )
         numbers = (
-            f"{of.peak_torque:.4g} {effort}", f"{of.peak_torque_time:.3g} s",
-            f"{of.rms_torque:.4g} {effort}", f"{of.peak_speed:.4g} {unit}/s",
-            f"{of.peak_power:.4g} W", "" if np.isnan(share) else percent(float(share)),
+            f"{torque} {effort}", f"{of.peak_torque_time:.3g} s", f"{rms} {effort}",
+            f"{speed} {unit}/s", f"{power} W", "" if np.isnan(share) else percent(float(share)),
         )  # fmt: skip
         rows.append((name, *numbers))
     peaks = ("peak torque", "at", "RMS torque", "peak speed", "peak power")

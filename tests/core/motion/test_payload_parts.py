@@ -40,7 +40,9 @@ def test_a_turntable_by_hand():
     by_hand = [np.inf, np.inf, 2000.0 / 6.44 / 9.8 - 10.0, 200.0 / 9.8 - 10.0]
     assert found.by_joint == pytest.approx(by_hand, rel=1e-12)
     part = f"tilting moment on the bearing of {joint} (B) limits"
-    assert found.card == f"carries 10.4 kg at this posture · {part}"
+    assert (
+        found.card == f"carries 10.4 kg by its drives, brakes and bearings at this posture · {part}"
+    )
     small = replace(CROSSED, moment_limit=29.0)
     weak = fb.payload(table, [0.4], effort=[1.0], bearings={joint: small})
     words = f"tilting moment on the bearing of {joint} (B) is too large without payload"

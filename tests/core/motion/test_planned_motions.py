@@ -492,6 +492,18 @@ def test_what_the_command_cannot_use_is_one_line(
     assert not Path("motion.csv").exists()
 
 
+def test_the_command_says_where_places_of_the_tip_belong(capsys: pytest.CaptureFixture[str]):
+    place = "'0.45, -0.3, 0.2' has 3 positions, 'ur5e' has 6 positions: shoulder_pan_joint"
+    assert run(["plan", "ur5e", "0,0,0,0,0,0; 0.45, -0.3, 0.2"]) == 2
+    said = capsys.readouterr().err
+    assert place in said
+    assert "a duty cycle has them as tip" in said
+    assert run(["plan", "ur5e", "0,0,0,0; 1,1,1,1"]) == 2
+    assert "duty cycle" not in capsys.readouterr().err
+    assert run(["plan", "ur5e", "0,-1,1,0,0,0", "--line", "0.4,0.2,0.3; 0.4,0.2,0.1"]) == 2
+    assert "With a stop at each place: a duty cycle" in capsys.readouterr().err
+
+
 def test_the_command_plans_a_free_body(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

@@ -84,6 +84,19 @@ def test_drives_with_unlike_names_stand_in_their_order(empty):
     assert found.texts(found.quantities[0], found.drives[1])[1] == "–"
 
 
+def test_a_torque_is_no_multiple_of_a_force_and_what_is_not_drawn_is_told(tmp_path):
+    numbers = {"l": [0.5, 0.4], "m": [1.0, 1.0], "I": [0.1, 0.1], "lc": [0.2, 0.2]}
+    found = fb.compare([fb.study(fb.planar(kinds, **numbers)) for kinds in ("RR", "PR")])
+    peak = found.quantities[0]
+    turned, slid = found.texts(peak, found.drives[0])
+    assert turned.endswith("N m")
+    assert slid.endswith(" N")
+    assert "×" in found.texts(peak, found.drives[1])[1]
+    assert found.unlike_kinds == ("joint1",)
+    text = found.to_html(tmp_path / "page.html").read_text(encoding="utf-8")
+    assert text.count("Not drawn, since one turns and one slides: joint1.") == 2
+
+
 def test_the_page_stands_alone_and_names_are_text(empty, loaded, tmp_path):
     page = fb.compare({"<script>alert(1)</script>": empty, "b": loaded}).to_html(
         tmp_path / "page.html"
@@ -101,6 +114,8 @@ def test_the_page_stands_alone_and_names_are_text(empty, loaded, tmp_path):
         (lambda study: [study], "1 study given, expected 2 to 8"),
         (lambda study: [study] * 9, "9 studies given, expected 2 to 8"),
         (lambda study: [study, study.model], r"studies\[1\] is Model, expected a study"),
+        (lambda study: {1: study, "1": study}, "two studies are named '1'"),
+        (lambda study: {" ": study, "b": study}, "a study is named ''"),
         (lambda study: "ur5e", "a list of studies, or a mapping"),
         (lambda study: study, "a list of studies, or a mapping"),
     ],
@@ -121,5 +136,8 @@ def test_the_command_takes_each_case_with_its_own_options(tmp_path, monkeypatch,
     assert "'pendulum --pyload 2': No such option: --pyload" in capsys.readouterr().err
     assert run(["compare", "pendulum", "pendulum 'a"]) == 2
     assert "No closing quotation" in capsys.readouterr().err
+    (tmp_path / "day.toml").write_text("[[segment]]\npoints = [[0.0], [1.0]]\ntimes = [0, 1]\n")
+    assert run(["compare", "pendulum --motion day.toml", "pendulum"]) == 2
+    assert "day.toml is a duty cycle, and one motion each" in capsys.readouterr().err
     assert run(["compare", "pendulum", "pendulum", "--out", "p.txt"]) == 2
     assert "expected an .html or .pdf file" in capsys.readouterr().err

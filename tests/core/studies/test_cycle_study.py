@@ -70,6 +70,7 @@ def test_a_pendulum_by_its_closed_form(cycle, tmp_path: Path):
     most = [fb.payload(x.model, x.motion, wrenches=x.wrenches).mass for x in (loaded, empty)]
     assert carried == pytest.approx(min(most), rel=1e-12)
     assert study.card.payload_remark.endswith("of segment 1")
+    assert study.card.rows[0].label == "carries by its drives"
     written = study.save(tmp_path / "out")
     names = {path.relative_to(tmp_path / "out").as_posix() for path in written}
     assert {"cycle.nc", "summary.csv", "card.json", "manifest.json", "segment-1/study.nc"} <= names
@@ -85,7 +86,10 @@ def test_the_pace_is_that_of_all_segments_together(cycle):
     study = fb.study(pendulum(), cycle)
     factor = study.verdict.factor
     assert factor == pytest.approx(4.0 / study.segments[1].motion.peaks.velocity.size[0], rel=1e-8)
-    fast = fb.study(pendulum(), cycle, speed=factor, wrenches={"tip": [0.0, 1.0, 0.0]})
+    always = pendulum().with_payload(1.0, com=[-0.5, 0.0], name="drive")
+    fast = fb.study(always, cycle, speed=factor, wrenches={"tip": [0.0, 1.0, 0.0]})
+    assert fast.loads == (3.0, 0.0)  # what rides on the axis rides in every segment
+    assert [case.payload for case in fast.load_cases] == [4.0, 1.0]
     assert fast.cycle.duration == pytest.approx(1.4 / factor + 2.5)
     (speed,) = (use for use in fast.verdict.uses if use.quantity == "speed")
     assert speed.fraction == pytest.approx(1.0, rel=1e-8)

@@ -25,8 +25,16 @@ from freebody.figures.marked_text import html, marked, plain, runs, width
 from freebody.figures.plane_map import PlaneMap, contour, plane_map
 from freebody.figures.plots import Plot, axes_of, plot
 from freebody.outputs.display import TextTable, counted
-from freebody.outputs.number_text import compared, fixed, rounded_up, shortest, significant
-from freebody.report.results import LimitUse, percent
+from freebody.outputs.number_text import (
+    compared,
+    fixed,
+    lifetime,
+    percent,
+    rounded_up,
+    shortest,
+    significant,
+)
+from freebody.report.results import LimitUse
 from freebody.report.tables import PrintedNumber, WordsCell, aligned, opened, typeset
 from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 from support.hostile import NAMES, balanced
@@ -304,6 +312,15 @@ def test_a_share_is_not_rounded_across_its_limit():
     assert percent(1.004) == "100.40 %"
     assert percent(0.9996) == "99.96 %"
     assert percent(2.391) == "239 %"
+    assert percent(1.0 - 1e-12) == percent(1.0) == "100 %"
+
+
+def test_a_life_is_promised_rounded_down_and_no_longer_than_anybody_measured():
+    lives = (3.6e16, math.inf, 1.0e6, 44_567.0, 6163.9, 12.39, 0.04567)
+    assert [lifetime(x) for x in lives] == [
+        "practically unlimited (beyond 1e6 h)", "practically unlimited (beyond 1e6 h)",
+        "1000000 h", "44500 h", "6160 h", "12.3 h", "0.0456 h",
+    ]  # fmt: skip
 
 
 def curves(seed: int, count: int) -> dict[str, np.ndarray]:

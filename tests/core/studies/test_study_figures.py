@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from support.command import run
 
 NAMES = (
     "robot", "animation", "free_bodies", "kinematics", "gravity", "motion", "torques", "powers",
@@ -41,6 +42,11 @@ def test_every_figure_stands_alone(study, name, tmp_path):
     assert len(figure.titles) == len(figure.panels) >= 1
 
 
+def test_the_command_names_every_figure(capsys):
+    assert run(["study", "--help"]) == 0
+    assert set(NAMES) <= set(re.findall(r"\w+", capsys.readouterr().out))
+
+
 def test_panels_of_unlike_units_are_all_there(study):
     """A robot that turns and slides has two panels of one title, in rad and in m."""
     titles = study.figure("motion").titles
@@ -58,16 +64,14 @@ def test_panels_are_chosen_by_their_titles_in_the_order_given(study):
 
 
 def test_what_is_not_there_is_refused_with_what_is(study, tmp_path):
-    with pytest.raises(
-        fb.UnknownNameError, match=r"no figure 'torque' in a study"
-    ):
+    with pytest.raises(fb.UnknownNameError, match=r"no figure 'torque' in a study"):
         study.figure("torque")
-    with pytest.raises(
-        fb.UnknownNameError, match=r"no panel 'elbow' in the figure 'torques'"
-    ):
+    with pytest.raises(fb.UnknownNameError, match=r"no panel 'elbow' in the figure 'torques'"):
         study.figure("torques", "elbow")
     with pytest.raises(fb.FreebodyError, match="there is nothing to draw"):
         study.figure("lifting")
+    with pytest.raises(fb.FreebodyError, match="only names no panel"):
+        study.figure("torques", [])
     with pytest.raises(fb.FreebodyError, match=r"is not an .svg or .pdf file"):
         study.figure("torques").save(tmp_path / "torques.png")
 
@@ -100,8 +104,12 @@ def test_poses_take_turns(study):
     assert delays == pytest.approx(seconds * (np.arange(count) / count - 1.0), abs=1e-3)
     shown = re.search(r"visible\}([\d.]+)%", figure)
     assert float(shown.group(1)) == pytest.approx(100.0 / count)
-    assert f"pose {seconds:.9g}s step-end infinite" in figure
+    assert f"@keyframes pose{count}" in figure
+    own = f";animation-duration:{seconds:.9g}s;animation-name:pose{count}"
+    assert all(own in pose.get("style") for pose in poses)
     assert "prefers-reduced-motion" in figure
+    resting = [pose.get("style").endswith(";visibility:visible") for pose in poses]
+    assert resting == [True] + [False] * (count - 1)  # seen where nothing moves
 
 
 def test_a_pdf_page_is_as_large_as_the_figure(study, tmp_path):
