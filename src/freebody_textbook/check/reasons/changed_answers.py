@@ -199,6 +199,8 @@ def of_centres(setting: RightEquations) -> Iterator[Forgotten]:
     elsewhere = {x.name for x in each_parameter(placements)}
     rows = list[tuple[int, set[str]]]()
     for i, body in enumerate(model.bodies):
+        if setting.is_planar and body.kind.slides:
+            continue  # the displacement may be to its centre of mass: `slides`
         centres = tuple(part.inertia.com for part in body.inertias)
         if names := {x.name for x in each_parameter(centres)} - elsewhere:
             rows.append((i, names))
