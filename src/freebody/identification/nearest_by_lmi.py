@@ -36,9 +36,10 @@ def nearest_by_lmi(
     where it finds no solution.
     """
     try:
-        import clarabel  # type: ignore[import-not-found]  # an extra
+        import clarabel as compiled  # type: ignore[import-not-found]  # an extra
     except ImportError:
         raise MissingPackageError("identify: lmi=True", "clarabel", "lmi") from None
+    clarabel: Any = compiled  # which tells no types
     free, units = _ellipsoid(estimate, information, combine, physical)
     rows, bounds, cones = _conditions(clarabel, physical)
     settings: Any = clarabel.DefaultSettings()
