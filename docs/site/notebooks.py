@@ -34,7 +34,7 @@ import sys
 if sys.platform == "emscripten":  # JupyterLite, which runs Python in the browser
     import piplite
 
-    await piplite.install("freebody")"""
+    await piplite.install(["freebody", "sympy"])"""
 
 
 def notebook(page: str) -> dict[str, Any]:
