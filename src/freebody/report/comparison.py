@@ -114,11 +114,8 @@ class StudyComparison(Tabled):
         rows: list[tuple[str, ...]] = [(one.what, *one.each) for one in self.differences]
         rows += [("verdict", *(study.verdict.heading for study in self.studies))]
         rows += [(one.what, *one.each) for one in self.answers]
-        for quantity in _QUANTITIES[:1]:
-            rows += [
-                (f"{quantity.title} of {row.name}", *self.texts(quantity, row))
-                for row in self.drives
-            ]
+        peak = _QUANTITIES[0]
+        rows += [(f"{peak.title} of {row.name}", *self.texts(peak, row)) for row in self.drives]
         return TextTable(("", *self.names), rows, [self.matched])
 
     @property
@@ -288,8 +285,8 @@ def _motion_words(study: Study, first: Study) -> str:
     """Words on a motion, which differ from the first's where the motion does."""
     own, other = study.motion, first.motion
     words = own.source or "given"
-    same = own.source != other.source or _alike(own, other)
-    return words if same else f"another one: {words}"
+    told_apart = own.source != other.source or _alike(own, other)
+    return words if told_apart else f"another one: {words}"
 
 
 def _alike(a: Motion, b: Motion) -> bool:
