@@ -375,8 +375,8 @@ def _template(name: str) -> RobotDescription:
 
 
 def _named(name: str) -> RobotDescription:
-    """The description of a bundled model, or for a name made of R and P alone, of the planar arm
-    with these joints."""
+    """The description of a bundled model, whose name's case is free, or for a name made of R and P
+    alone, of the planar arm with these joints."""
     if name.startswith(TEMPLATE):
         return _template(name.removeprefix(TEMPLATE))
     names = read_file.bundled_names()
@@ -395,5 +395,8 @@ def _named(name: str) -> RobotDescription:
             f"load: {name!r} is not a bundled model. The {kind} of that name needs a suffix that "
             f"tells its format: {', '.join(SUFFIXES)}."
         )
+    for known in names:
+        if known.casefold() == name.casefold():  # UR5e for ur5e
+            return _named(known)
     problem = UnknownNameError("model", name, "the bundled models", names)
     raise FreebodyError(f"load: {problem} A file needs its suffix: {', '.join(SUFFIXES)}.")

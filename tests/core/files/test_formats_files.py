@@ -43,6 +43,12 @@ def test_a_name_is_a_bundled_model(tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.parametrize("name", ["UR5e", "Panda", "2r", "3rrr"])
+def test_the_case_of_a_bundled_name_is_free(name):
+    known = {model.lower(): model for model in fb.models()}
+    assert fb.load(name) == fb.load(known[name.lower()])
+
+
 def test_unknown_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     start = "Did you mean 'ur5e'? Models: 2R, 3R, 3RRR, "
