@@ -9,9 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.design.bounds import Points
+from freebody.design.bounds import Points, front
 from freebody.design.drive_loads import ChosenDrives
-from freebody.design.front import front
 from freebody.design.pairs import used
 from freebody.outputs.display import Tabled, TextTable
 

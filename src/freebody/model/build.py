@@ -21,7 +21,7 @@ from freebody.errors import (
     listed,
     warn,
 )
-from freebody.model import changes, name_rules
+from freebody.model import changes, refusal_rules
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import (
     MOST_LINKS,
@@ -308,7 +308,7 @@ class _DescriptionChecks:
     def unique(self, what: str, parts: Sequence[_LinkOrJoint]) -> dict[str, _LinkOrJoint]:
         """The links or joints by name; refuses parts without a name and two of one name."""
         names = [part.name for part in parts]
-        for rule in name_rules.EVERY_NAME:
+        for rule in refusal_rules.EVERY_NAME:
             for i in rule.broken(names):
                 self.refuse(f"{rule.said(what, names[i])}; {rule.remedy}.", parts[i].line)
         return dict(zip(names, parts, strict=True))
@@ -325,7 +325,7 @@ class _DescriptionChecks:
                 f"{where}: a {kind.name} joint needs a model in space, this one is planar.",
                 joint.line,
             )
-        for end, name in name_rules.unknown_ends(joint, self.links):
+        for end, name in refusal_rules.unknown_ends(joint, self.links):
             unknown = UnknownNameError(f"{end} link", name, "the file", self.links)
             self.refuse(f"{where}: {unknown}", joint.line)
         if joint.parent == joint.child:

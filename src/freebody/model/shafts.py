@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -258,10 +258,3 @@ def shaft_names(model: Model) -> tuple[str, ...]:
     """Names of the shafts of flexible joints, which are those of their twists as positions and
     rates."""
     return tuple(model.bodies[k].joint.name for k in shafts(model))
-
-
-def as_links(model: Model, q: Any) -> tuple[Model, Any]:
-    """(the robot with rigid joints, its q) with links where the model's are at q (..., nq); the
-    model and q themselves where no joint is flexible."""
-    found = untwisted(model)
-    return (model, q) if found is None else (found.model, found.links(q))

@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.design.joint_loads import JOINT_LOADS
-from freebody.design.postures import heaviest_postures
+from freebody.design.loads import heaviest_postures
 from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
 from freebody.model.doubts import attribute, doubts_on
 from freebody.model.model import Model
