@@ -451,6 +451,6 @@ class _DescriptionChecks:
         return roots[0]
 
 
-def _shortened(names: list[str], most: int = 12) -> list[str]:
-    """The names, with a gap in the middle where there are many."""
-    return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]
+def _shortened(names: list[str]) -> list[str]:
+    """The names, with a gap in the middle where there are more than twelve."""
+    return names if len(names) <= 12 else [*names[:10], "…", names[-1]]
