@@ -94,7 +94,7 @@ class PartialChoice:
 
 
 def nothing(joints: int) -> PartialChoice:
-    """The choice for none of some joints."""
+    """The choice of drives for a number of joints before a pair is chosen for any of them."""
     return PartialChoice({}, np.zeros(joints), np.full(joints, np.inf), 0.0, 0.0, np.inf)
 
 

@@ -98,7 +98,7 @@ def makers(study: Study, report: bool) -> Makers:
 
 
 def dataset(study: Study) -> xr.Dataset:
-    """Time series, summary and facts in one dataset."""
+    """The time series, summary and facts of a study in one dataset."""
     import xarray as xr
 
     whole = xr.merge(

@@ -17,7 +17,7 @@ from freebody.formats.loading import load
 
 _RING = 0.62
 _RATES = (3.0, 5.0)
-"""Of yaw and roll, rad/s."""
+"""Rates of yaw and roll, rad/s."""
 
 
 def gyro() -> Figure:

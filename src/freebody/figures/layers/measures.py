@@ -184,10 +184,10 @@ def of_centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
         drawing.position(np.zeros(2), body.com, name, -BESIDE if along else 0.0)
 
 
-def to_tip(drawing: Drawing, seen: Snapshot) -> None:
+def to_tip(drawing: Drawing, seen: Snapshot, name: str = "r") -> None:
     """Draw the vector r from the origin to the tip."""
     if seen.pose.tip is not None:
-        drawing.position(np.zeros(seen.model.dim), seen.pose.tip, "r")
+        drawing.position(np.zeros(seen.model.dim), seen.pose.tip, name)
 
 
 # ---------------------------------------------------------------- axes in space
