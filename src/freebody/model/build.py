@@ -6,8 +6,9 @@ Refusals name the link or joint, the file's line where there is one, and the rem
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal, NoReturn, TypeVar
 
 import numpy as np
@@ -52,6 +53,7 @@ MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
 Policy = Literal["warn", "refuse", "ignore"]
 _LinkOrJoint = TypeVar("_LinkOrJoint", Link, Joint)
+_Joining = TypeVar("_Joining", Loop, Strut)
 
 
 def build_model(
@@ -194,14 +196,14 @@ class _Assembly:
             tuple(frames),
             *d.gravity,
             base_inertias=tuple(parts[-1]),
-            loops=self.loops(movable),
+            loops=self.joining(d.loops, partial(checked_loop, d.dim), movable),
             formulas=d.formulas,
             home=d.home,
             source=d.source,
             about=d.about,
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
-            struts=self.struts(movable),
+            struts=self.joining(d.struts, checked_strut, (*movable, *d.loops)),
             shapes=tuple((link.name, shape) for link in d.links for shape in link.shapes),
         )
         if problem := loss_fault(model.bodies, model.loops):
@@ -260,30 +262,23 @@ class _Assembly:
             frames.append(Frame(mount.name, *carrier[mount.name], mount.link, mounted=True))
         return frames
 
-    def loops(self, joints: list[Joint]) -> tuple[Loop, ...]:
-        """Loops of the description, each checked."""
+    def joining(
+        self,
+        parts: Sequence[_Joining],
+        check: Callable[[_Joining, Mapping[str, int], Container[str]], _Joining],
+        others: Iterable[Joint | Loop],
+    ) -> tuple[_Joining, ...]:
+        """Loops or struts of the description, each checked; others: parts whose names they may not
+        have."""
         body_of = {name: body for name, (body, _) in self.carrier.items()}
-        taken = {joint.name for joint in joints}
+        taken = {part.name for part in others}
         checked = []
-        for loop in self.description.loops:
+        for part in parts:
             try:
-                checked.append(checked_loop(loop, self.description.dim, body_of, taken))
+                checked.append(check(part, body_of, taken))
             except (ModelError, UnknownNameError) as error:
-                self.checks.refuse(str(error), loop.line)
-            taken.add(loop.name)
-        return tuple(checked)
-
-    def struts(self, joints: list[Joint]) -> tuple[Strut, ...]:
-        """Struts of the description, each checked."""
-        body_of = {name: body for name, (body, _) in self.carrier.items()}
-        taken = {part.name for part in (*joints, *self.description.loops)}
-        checked = []
-        for strut in self.description.struts:
-            try:
-                checked.append(checked_strut(strut, body_of, taken))
-            except (ModelError, UnknownNameError) as error:
-                self.checks.refuse(str(error), strut.line)
-            taken.add(strut.name)
+                self.checks.refuse(str(error), part.line)
+            taken.add(part.name)
         return tuple(checked)
 
     def _unknown(self, what: str, name: str, where: str, known: Collection[str]) -> NoReturn:
