@@ -341,9 +341,8 @@ def listed(names: Iterable[str], most: int | None = None) -> str:
     return " and ".join(part for part in (", ".join(found[:-1]), *found[-1:]) if part)
 
 
-def _listing(names: list[str], most: int = 24) -> str:
-    """`a, b, c`, cut after `most` names."""
-    listed = ", ".join(
-        name if len(name) <= _LONG else f"{name[: _LONG - 1]}…" for name in names[:most]
-    )
-    return f"{listed}, … ({len(names)} in all)" if len(names) > most else listed
+def _listing(names: list[str]) -> str:
+    """`a, b, c`, cut after 24 names."""
+    first = names[:24]
+    listed = ", ".join(x if len(x) <= _LONG else f"{x[: _LONG - 1]}…" for x in first)
+    return listed if len(first) == len(names) else f"{listed}, … ({len(names)} in all)"

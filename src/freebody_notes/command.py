@@ -95,7 +95,7 @@ def _require_used(given: Sequence[str]) -> None:
 
 
 def _run(items: Sequence[Item]) -> list[ExecutedItem]:
-    from freebody_notes.run import run_all
+    from freebody_notes.item import run_all
 
     with terminal.progress("executing the notes") as told:
         return run_all(items, told)

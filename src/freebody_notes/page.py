@@ -18,7 +18,7 @@ import freebody
 from freebody.expressions.nodes import Equation, Words
 from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.figures import colours
-from freebody.outputs.page_head import SHEETS, math_style, policy
+from freebody.outputs.pages import SHEETS, math_style, policy
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.contents import item as found_item
 from freebody_notes.derivation_places import Place, live_derivation, place_of

@@ -10,8 +10,7 @@ import pytest
 import freebody as fb
 from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
-from freebody_notes.item import Item, Outcome
-from freebody_notes.run import NotesError, run
+from freebody_notes.item import Item, NotesError, Outcome, run
 from freebody_textbook.relations.formula import FormulaError
 from support.executed_notes import finding
 from support.notes_verdicts import VERDICTS

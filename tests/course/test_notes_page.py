@@ -22,8 +22,8 @@ from freebody_notes.derivation_places import place_of
 from freebody_notes.errata import errata
 from freebody_notes.exercises import SOLUTIONS, exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
+from freebody_notes.item import run
 from freebody_notes.page import pages
-from freebody_notes.run import run
 from freebody_notes.text import item_text, shown
 from freebody_textbook.relations.formula import as_printed
 from support import executed_notes

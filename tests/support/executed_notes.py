@@ -6,7 +6,7 @@ from functools import cache
 
 import pytest
 
-from freebody_notes import run as runner
+from freebody_notes import item as runner
 from freebody_notes.contents import items
 from freebody_notes.item import ExecutedItem, Item
 

@@ -15,8 +15,8 @@ LIVING = ("chapter", "kinematics", "statics")
 @cache
 def pages(arm: fb.Study) -> dict[str, str]:
     from freebody_notes.contents import items
+    from freebody_notes.item import run_all
     from freebody_notes.page import pages as notes_pages
-    from freebody_notes.run import run_all
 
     notes, chapter, *_ = notes_pages(run_all(items()[:3]), "notes.html").values()
     with TemporaryDirectory() as folder:

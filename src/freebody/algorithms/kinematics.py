@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from freebody.dual import Dual
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
-from freebody.model.joints.kind import Column
+from freebody.model.coordinates import Coordinates
+from freebody.model.joints.kind import Column, Primitive
 from freebody.model.tree import Pose, Tree, TreeBody
 from freebody.spatial import (
     Matrix,
@@ -39,15 +41,28 @@ def _joint_pose(tree: Tree, body: TreeBody, q: Vector) -> Pose:
 
 def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
     """The time derivative of q: q̇ itself, but for quaternions and positions of free joints."""
-    rates: list[Scalar] = [0.0] * tree.nq
+    return _by_body(
+        tree, "q", lambda x, at: x.position_rates(tree.space, _some(q, at.q), _some(qd, at.v))
+    )
+
+
+def _by_body(
+    tree: Tree,
+    order: Literal["q", "v"],
+    own: Callable[[Primitive, Coordinates], Vector],
+) -> Vector:
+    """A vector in the order of q, or of q̇, put together from those of the bodies' joints."""
+    whole: list[Scalar] = [0.0] * (tree.nq if order == "q" else tree.nv)
     for body in tree.bodies:
         at = body.coordinates
-        own = body.primitive.position_rates(
-            tree.space, tuple(q[k] for k in at.q), tuple(qd[k] for k in at.v)
-        )
-        for k, rate in zip(at.q, own, strict=True):
-            rates[k] = rate
-    return tuple(rates)
+        for k, x in zip(getattr(at, order), own(body.primitive, at), strict=True):
+            whole[k] = x
+    return tuple(whole)
+
+
+def _some(x: Vector, places: Sequence[int]) -> Vector:
+    """Some entries of a vector."""
+    return tuple([x[k] for k in places])
 
 
 def along_every_direction(tree: Tree, q: Vector) -> Vector:
@@ -58,40 +73,22 @@ def along_every_direction(tree: Tree, q: Vector) -> Vector:
 
 def moved(tree: Tree, q: Vector, v: Vector) -> Vector:
     """The position reached from q by the constant rates v in unit time."""
-    reached: list[Scalar] = [0.0] * tree.nq
-    for body in tree.bodies:
-        at = body.coordinates
-        own = body.primitive.moved(tree.space, tuple(q[k] for k in at.q), tuple(v[k] for k in at.v))
-        for k, x in zip(at.q, own, strict=True):
-            reached[k] = x
-    return tuple(reached)
+    return _by_body(tree, "q", lambda x, at: x.moved(tree.space, _some(q, at.q), _some(v, at.v)))
 
 
 def between(tree: Tree, q0: Vector, q1: Vector) -> Vector:
     """The constant rates that lead from q0 to q1 in unit time."""
-    way: list[Scalar] = [0.0] * tree.nv
-    for body in tree.bodies:
-        at = body.coordinates
-        own = body.primitive.between(
-            tree.space, tuple(q0[k] for k in at.q), tuple(q1[k] for k in at.q)
-        )
-        for k, x in zip(at.v, own, strict=True):
-            way[k] = x
-    return tuple(way)
+    return _by_body(
+        tree, "v", lambda x, at: x.between(tree.space, _some(q0, at.q), _some(q1, at.q))
+    )
 
 
 def coordinate_rates(tree: Tree, x: Vector, v: Vector) -> Vector:
     """The rates of x where the position is `moved(q, x)` and changes with the rates v: dexp⁻¹(x) v,
     to second order."""
-    rates: list[Scalar] = [0.0] * tree.nv
-    for body in tree.bodies:
-        at = body.coordinates.v
-        own = body.primitive.dexp_inverse(
-            tree.space, tuple(x[k] for k in at), tuple(v[k] for k in at)
-        )
-        for k, rate in zip(at, own, strict=True):
-            rates[k] = rate
-    return tuple(rates)
+    return _by_body(
+        tree, "v", lambda y, at: y.dexp_inverse(tree.space, _some(x, at.v), _some(v, at.v))
+    )
 
 
 def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:

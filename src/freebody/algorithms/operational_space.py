@@ -90,9 +90,9 @@ _NO_ROWS = 1e-280
 """Squares of the entries of rows that are all 0, added up."""
 
 
-def surely_independent(J: Matrix, ratio: float = SURELY_INDEPENDENT) -> Scalar:
-    """1 where the smallest singular value of J is surely above the given fraction of the largest,
-    else 0.
+def surely_independent(J: Matrix) -> Scalar:
+    """1 where the smallest singular value of J is surely above the fraction `SURELY_INDEPENDENT` of
+    the largest, else 0.
 
     The traces of J Jᵀ and of its inverse are their largest eigenvalues at least, and n times these
     at most.
@@ -105,7 +105,7 @@ def surely_independent(J: Matrix, ratio: float = SURELY_INDEPENDENT) -> Scalar:
         operator.add,
         (each * dot(row, row) for each, row in zip(inverse, _inverse_of_lower(L), strict=True)),
     )
-    return less(_NO_ROWS, size) * less(ratio**2 * (size * spread), 1.0)
+    return less(_NO_ROWS, size) * less(SURELY_INDEPENDENT**2 * (size * spread), 1.0)
 
 
 def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:

@@ -12,8 +12,7 @@ from freebody.arrays import Array
 from freebody.design.bearings import checked_bearings, turning_joints
 from freebody.design.data_sheets import sure
 from freebody.design.drive_loads import ChosenDrives, checked_drives, fitting_joints
-from freebody.design.joint_loads import bearing_vectors
-from freebody.design.known_wrenches import known_wrenches, undetermined
+from freebody.design.joint_loads import bearing_vectors, known_wrenches, undetermined
 from freebody.design.pairs import holding_torque
 from freebody.design.parts import CROSSED_STATIC_AXIAL, Bearing
 from freebody.errors import FreebodyError

@@ -83,7 +83,7 @@ class AffineLoad:
         return AffineLoad(*parts)
 
     def at(self, columns: list[int] | slice) -> AffineLoad:
-        """The loads of some of the parts."""
+        """Loads of the chosen parts alone."""
         return AffineLoad(self.bare[:, columns], self.slope[:, columns])
 
 

@@ -89,8 +89,8 @@ class LargestPayload(Tabled, ByValue):
 
     @property
     def carries(self) -> bool:
-        """Whether something is carried everywhere, no joint is too fast or beyond its range, and no
-        doubt bars to say so."""
+        """Whether the payload is above 0 for every motion or posture, no joint is too fast or
+        beyond its range, and no doubt about the model prevents a verdict."""
         return self.told and bool((self.mass > 0.0).all())
 
     @property
@@ -140,7 +140,7 @@ class LargestPayload(Tabled, ByValue):
 
     @property
     def least(self) -> tuple[np.intp, ...]:
-        """The indices of the least of the masses."""
+        """The indices of the smallest of the payloads."""
         return np.unravel_index(np.argmin(self.mass), self.mass.shape)
 
     def _where(self) -> str:
@@ -345,7 +345,8 @@ def _in_segment(
 
 
 def _motions(model: Model, motion: Any) -> list[Motion] | None:
-    """The motions; None for postures."""
+    """The motions that a payload is asked for, of a duty cycle those of its segments; None where
+    postures are given."""
     if isinstance(motion, DutyCycle):
         return [require_motion("payload", model, x.motion) for x in motion.segments]
     if isinstance(motion, Motion):

@@ -12,9 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.design.bounds import MassRange, Points, gain
+from freebody.design.bounds import MassRange, Points, front, gain
 from freebody.design.choices import PartialChoice, nothing
-from freebody.design.front import front
 from freebody.design.pair_margins import PairMargins
 from freebody.motion.ranges import Flags
 from freebody.trees.position_rates import Index

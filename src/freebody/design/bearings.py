@@ -14,8 +14,7 @@ from freebody.by_value import ByValue
 from freebody.design.data_sheets import mean_load
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
-from freebody.design.joint_loads import joint_loads
-from freebody.design.known_wrenches import known_wrenches, undetermined
+from freebody.design.joint_loads import joint_loads, known_wrenches, undetermined
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model

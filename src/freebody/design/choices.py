@@ -9,9 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.design.bounds import Points
+from freebody.design.bounds import Points, front
 from freebody.design.drive_loads import ChosenDrives
-from freebody.design.front import front
 from freebody.design.pairs import used
 from freebody.outputs.display import Tabled, TextTable
 
@@ -95,7 +94,7 @@ class PartialChoice:
 
 
 def nothing(joints: int) -> PartialChoice:
-    """The choice for none of some joints."""
+    """The choice of drives for a number of joints before a pair is chosen for any of them."""
     return PartialChoice({}, np.zeros(joints), np.full(joints, np.inf), 0.0, 0.0, np.inf)
 
 

@@ -235,7 +235,8 @@ def assembled(
     demands: Sequence[Demand],
     drives: ChosenDrives,
 ) -> DriveLoads:
-    """The result, of the loads of all joints."""
+    """The loads of chosen drives over duty cycles, put together from the demands on the single
+    joints."""
     import xarray as xr
 
     shares_of, series, found = [], [], []
@@ -297,7 +298,8 @@ def _series(demand: Demand, motor: Motor, gear: Gear) -> dict[str, Array]:
 def _summary(
     demand: Demand, motor: Motor, gear: Gear, series: dict[str, Array], periods: Array
 ) -> dict[str, Array]:
-    """Arrays (C,), one for each cycle."""
+    """Peak and mean loads of one joint's motor and gear by name, arrays (C,) with one entry for
+    each cycle."""
     inside = demand.shares > 0.0
 
     def peak(x: Array) -> Array:

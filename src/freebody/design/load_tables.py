@@ -14,7 +14,7 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, Segment, duty_cycles
-from freebody.design.known_wrenches import known_wrenches, undetermined
+from freebody.design.joint_loads import known_wrenches, undetermined
 from freebody.errors import FreebodyError
 from freebody.model.cut_fixed_joints import behind, fixed_frame, rides
 from freebody.model.loops import held_by_base

@@ -84,5 +84,5 @@ class Aims:
 
 
 def _typical(x: Array) -> float:
-    """A scale of masses or prices."""
+    """The median of masses or prices, by which they are scaled; 1 where it is 0."""
     return float(np.median(x)) or 1.0

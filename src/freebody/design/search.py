@@ -15,9 +15,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.design.all_choices import BetterChoices
+from freebody.design.bounds import front
 from freebody.design.catalogue import PartCatalogue
 from freebody.design.choices import DriveChoice, PartialChoice, best, nothing, points
-from freebody.design.front import front
 from freebody.design.loads import CycleLoads, RestLoads, order
 from freebody.design.margin_levels import refined
 from freebody.design.pair_margins import PairMargins

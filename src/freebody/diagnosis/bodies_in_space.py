@@ -10,15 +10,16 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.facts import ArrayPose, composed, norm, pose_of
+from freebody.diagnosis.facts import norm
 from freebody.lazy import Keeps, cached_property
 from freebody.model.bodies import Body
 from freebody.model.inertia import combined
 from freebody.model.model import Model
-from freebody.model.placement import Placement
+from freebody.model.placement import ArrayPose, Placement, composed
 from freebody.model.quantity_reader import VALUES
 from freebody.model.shafts import with_rigid_joints
 from freebody.model.tree import Attached
+from freebody.spatial import space
 
 _Z = np.array([0.0, 0.0, 1.0])
 _PARALLEL = 1e-9
@@ -87,7 +88,7 @@ def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
     """The mass, centre and tensor of parts that are fixed together; None where they have no
     mass."""
     placed = [
-        part.inertia.placed(*pose_of(part.placement, dim))
+        part.inertia.placed(*part.placement.arrays(dim))
         for part in parts
         if any(part.inertia.numbers()[0:1]) or any(map(VALUES.quantity, part.inertia.tensor))
     ]
@@ -215,7 +216,7 @@ def held(model: Model) -> Model:
 
 def pose_in_space(placement: Placement, dim: int) -> ArrayPose:
     """A placement's pose; of the plane, that in the xy-plane of space."""
-    R, p = pose_of(placement, dim)
+    R, p = placement.arrays(dim)
     if dim == 3:
         return R, p
     turned = np.eye(3)
@@ -244,9 +245,7 @@ def inverse(pose: ArrayPose) -> ArrayPose:
 
 def turned(axis: Array, angle: float) -> Array:
     """The rotation about a unit vector by an angle (rad)."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+    return np.array(space.rotation(tuple(axis.tolist()), angle))
 
 
 def rotation_between(u: Array, v: Array) -> Array:

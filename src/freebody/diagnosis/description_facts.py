@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from freebody.diagnosis.facts import (
-    FRICTIONS,
-    InertiaFacts,
-    JointFacts,
-    LinkFacts,
-    Written,
-    pose_of,
-)
+from freebody.diagnosis.facts import FRICTIONS, InertiaFacts, JointFacts, LinkFacts, Written
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.parameters import each_parameter
 
@@ -50,7 +43,7 @@ def _joint(joint: Joint, dim: int) -> JointFacts:
         for name, number in FRICTIONS.items()
         if isinstance(value := getattr(joint.drive, number), float) and value
     }
-    pose = pose_of(joint.placement, dim) if _known(joint.placement) else None
+    pose = joint.placement.arrays(dim) if _known(joint.placement) else None
     return JointFacts(
         joint.name,
         joint.kind,

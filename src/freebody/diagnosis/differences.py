@@ -12,10 +12,11 @@ import numpy as np
 
 from freebody.diagnosis.alignment import Alignment, MatchedJoint
 from freebody.diagnosis.bodies_in_space import BodyTree, cross, pose_in_space
-from freebody.diagnosis.facts import ArrayPose, composed, norm
+from freebody.diagnosis.facts import norm
 from freebody.errors import listed
 from freebody.model.description import Drive, Loop
 from freebody.model.drives import LAWS, DriveLaw
+from freebody.model.placement import ArrayPose, composed
 from freebody.model.quantity_reader import VALUES
 from freebody.model.struts import Strut
 from freebody.outputs.display import InWords

@@ -21,12 +21,9 @@ from freebody.formats.urdf_elements import XmlElement
 from freebody.lazy import Keeps, cached_property
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
-from freebody.model.placement import Placement
-from freebody.model.quantity_reader import VALUES
+from freebody.model.placement import ArrayPose, Placement, composed
 from freebody.model.shapes import Shape
-from freebody.spatial import of_dimension
 
-ArrayPose = tuple[Array, Array]
 """(R, p) of a frame in another."""
 
 
@@ -55,7 +52,7 @@ class InertiaFacts:
         """The inertia in the link's axes."""
         if self.inertia is None or not self.placement.steps:
             return self.inertia
-        return self.inertia.placed(*pose_of(self.placement))
+        return self.inertia.placed(*self.placement.arrays())
 
 
 @dataclass(frozen=True)
@@ -228,20 +225,9 @@ class RobotFacts(Keeps):
         return self.joint[name].limit_line if name in self.joint else None
 
 
-def composed(outer: ArrayPose, inner: ArrayPose) -> ArrayPose:
-    """A pose in a frame that is itself placed."""
-    return outer[0] @ inner[0], outer[0] @ inner[1] + outer[1]
-
-
 def norm(x: Sequence[float] | Array) -> float:
     """The length of a vector."""
     return float(np.linalg.norm(x))
-
-
-def pose_of(placement: Placement, dim: int = 3) -> ArrayPose:
-    """A placement's rotation and position as arrays."""
-    R, p = placement.lower(of_dimension(dim), VALUES)
-    return np.array(R, dtype=float), np.array(p, dtype=float)
 
 
 def elements_in(root: XmlElement) -> Iterator[XmlElement]:

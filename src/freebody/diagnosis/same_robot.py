@@ -13,12 +13,13 @@ from freebody.by_value import ByValue
 from freebody.diagnosis.alignment import Alignment, Tolerances, align
 from freebody.diagnosis.bodies_in_space import BodyTree, floating, held, pose_in_space
 from freebody.diagnosis.differences import ASPECTS, RobotDifference
-from freebody.diagnosis.facts import ArrayPose, composed, norm
+from freebody.diagnosis.facts import norm
 from freebody.errors import FreebodyError, KindError, listed
 from freebody.formats.loading import load
 from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
+from freebody.model.placement import ArrayPose, composed
 from freebody.model.single_joints import is_taken_apart, with_single_joints
 from freebody.outputs.display import InWords, Tabled, TextTable, counted
 

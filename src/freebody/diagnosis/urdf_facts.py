@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.diagnosis.facts import (
-    FRICTIONS,
-    InertiaFacts,
-    JointFacts,
-    LinkFacts,
-    Written,
-    pose_of,
-)
+from freebody.diagnosis.facts import FRICTIONS, InertiaFacts, JointFacts, LinkFacts, Written
 from freebody.errors import FreebodyError
 from freebody.formats import read_file
 from freebody.formats.urdf import TYPES, shapes_of
@@ -100,7 +93,7 @@ def _joint(element: XmlElement) -> JointFacts:
         parent,
         child,
         element.line,
-        None if placement is None else pose_of(placement),
+        None if placement is None else placement.arrays(),
         None if axis is None else vector(axis, "xyz"),
         {key: written(limit, key) for key in _LIMITS if limit and key in limit.attributes},
         {

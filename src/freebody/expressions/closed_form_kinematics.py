@@ -61,7 +61,7 @@ class Kinematics(InTextbookForm):
 
     @cached_property
     def J_dot(self) -> PolynomialRows:
-        """Time derivative of J, by its entries' (2.24)."""
+        """Time derivative of the Jacobian J, entry by entry (2.24)."""
         return [[x.along(self.symbols.rates) for x in row] for row in self.J]
 
     @cached_property

@@ -70,13 +70,13 @@ def _ellipsoid(
     drawing.ruler(longest, reach, unit, role)
 
 
-def outline(axes: Array, view: View, count: int = 73) -> Array:
-    """Points (count, dim) around 0 on an ellipse, or on the visible outline of an ellipsoid.
+def outline(axes: Array, view: View) -> Array:
+    """72 points (72, dim) around 0 on an ellipse, or on the visible outline of an ellipsoid.
 
     The point A n, with A the axes as columns and n a unit vector, is on the rim where the normal
     there, along A⁻ᵀ n, is at right angles to the line of sight t: n ⊥ adj(A) t.
     """
-    angles = np.linspace(0.0, 2 * np.pi, count)[:-1]
+    angles = np.linspace(0.0, 2 * np.pi, 73)[:-1]
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     if axes.shape[-1] == 2:
         return circle @ axes

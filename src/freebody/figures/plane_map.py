@@ -19,6 +19,7 @@ from freebody.figures.svg_symbols import cells, circle, line, path, words
 from freebody.outputs.number_text import shortest
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 12.0, 40.0, 44.0
+_WIDE, _TALLEST = 340.0, 380.0
 _USEFUL = (1.0, 65.0)  # percent of the values between which the contours lie
 _LEVELS = 8
 _APART = 20.0  # pixels: so far numbers on contours keep from each other, upwards
@@ -59,7 +60,7 @@ class PlaneMap:
         return ticks(float(low), float(high), _LEVELS)
 
 
-def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Picture:
+def plane_map(what: PlaneMap) -> Picture:
     """Picture of a map with its axes, contours and the robot."""
     steps = what.across[1] - what.across[0], what.up[1] - what.up[0]
     there = np.isfinite(what.values)
@@ -67,7 +68,7 @@ def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Pi
     ends = [what.across[columns[[0, -1]]], what.up[rows[[0, -1]]]]
     low = np.array([end[0] - step for end, step in zip(ends, steps, strict=True)])
     high = np.array([end[-1] + step for end, step in zip(ends, steps, strict=True)])
-    room = wide - _LEFT - _RIGHT, tallest - _TOP - _BOTTOM
+    room = _WIDE - _LEFT - _RIGHT, _TALLEST - _TOP - _BOTTOM
     scale = float(min(room[0] / (high[0] - low[0]), room[1] / (high[1] - low[1])))
     size = scale * (high - low)
     box = (_LEFT, _TOP, _LEFT + size[0], _TOP + size[1])
@@ -92,7 +93,7 @@ def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Pi
     if what.tip is not None:
         body.append(circle("tipdot", at(what.tip), 4.0, "the tip"))
     body += [*texts, *_axes(what, (low, high), box, at)]
-    return Picture("".join(body), wide, box[3] + _BOTTOM, f"{what.title}, {what.unit}")
+    return Picture("".join(body), _WIDE, box[3] + _BOTTOM, f"{what.title}, {what.unit}")
 
 
 def contour(x: Array, y: Array, values: Array, level: float) -> Iterator[tuple[Array, Array]]:

@@ -31,7 +31,7 @@ from freebody.model.description import (
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.mimics import Mimic
-from freebody.model.placement import Placement, rotate, rpy, shift
+from freebody.model.placement import ArrayPose, Placement, composed, rotate, rpy, seen_from, shift
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import space
 
@@ -40,8 +40,6 @@ _OTHER_WORLD = "__world__"
 """The world's name where an old file has a link called world, which its joints then mean."""
 _SAME = 1e-12
 """m or of a rotation's entries: two poses that are one."""
-FramePose = tuple[np.ndarray, np.ndarray]
-"""(R, p) of a frame in the model's."""
 _TYPES: dict[str, tuple[str, str | None]] = {
     "revolute": ("revolute", "revolute"),
     "continuous": ("continuous", "revolute"),
@@ -87,8 +85,8 @@ class SdfReader(Elements):
         self.written: dict[str, tuple[XmlElement, str]] = {}
         """Each frame's element, and the frame its pose is relative to where it does not say."""
         still = np.eye(3), np.zeros(3)
-        self.poses: dict[str, FramePose] = {MODEL: still}
-        self.inside: dict[tuple[str, str], FramePose] = {}
+        self.poses: dict[str, ArrayPose] = {MODEL: still}
+        self.inside: dict[tuple[str, str], ArrayPose] = {}
         """Poses of frames in those that they are given in, as they are written."""
         self.world = WORLD
         self.assumed: list[str] = []
@@ -113,9 +111,9 @@ class SdfReader(Elements):
         placed = self.local(pose, "the model") if pose is not None else self.poses[MODEL]
         base = model.attributes.get("placement_frame", "").strip()
         if base:
-            placed = _composed(placed, _between(self.pose_of(base, model), self.poses[MODEL]))
+            placed = composed(placed, seen_from(self.pose_of(base, model), self.poses[MODEL]))
         if pose is not None or base:
-            self.poses[self.world] = _between(placed, self.poses[MODEL])
+            self.poses[self.world] = seen_from(placed, self.poses[MODEL])
         for element in links:
             self.link(element)
         self.tree(model, joints)
@@ -178,7 +176,7 @@ class SdfReader(Elements):
             around = element.attributes.get("attached_to", "").strip() or MODEL
         self.written[name] = element, around
 
-    def pose_of(self, name: str, asked_by: XmlElement, above: tuple[str, ...] = ()) -> FramePose:
+    def pose_of(self, name: str, asked_by: XmlElement, above: tuple[str, ...] = ()) -> ArrayPose:
         """A frame's pose in the model's frame."""
         if name not in self.poses:
             if name not in self.written:
@@ -191,7 +189,7 @@ class SdfReader(Elements):
             self.poses[name] = self.placed(element, around, (*above, name))
         return self.poses[name]
 
-    def placed(self, element: XmlElement, around: str, above: tuple[str, ...] = ()) -> FramePose:
+    def placed(self, element: XmlElement, around: str, above: tuple[str, ...] = ()) -> ArrayPose:
         """The pose that an element's <pose> gives, in the model's frame."""
         where = f"{element.tag} {element.name()!r}"
         pose = self.one(element, "pose", where)
@@ -203,11 +201,11 @@ class SdfReader(Elements):
         held = element.attributes.get("placement_frame", "").strip()
         if element.tag == "frame" and held:
             within = self.within(element.name(), held, pose)
-            local = _composed(local, _between(within, self.poses[MODEL]))
+            local = composed(local, seen_from(within, self.poses[MODEL]))
         self.inside[base, element.name()] = local
-        return _composed(outer, local)
+        return composed(outer, local)
 
-    def within(self, outer: str, name: str, asked_by: XmlElement, depth: int = 0) -> FramePose:
+    def within(self, outer: str, name: str, asked_by: XmlElement, depth: int = 0) -> ArrayPose:
         """A frame's pose in another one that it is placed in, whose own pose may be unknown."""
         if name == outer:
             return self.poses[MODEL]
@@ -218,9 +216,9 @@ class SdfReader(Elements):
         pose = self.one(element, "pose", f"{element.tag} {name!r}")
         base = pose.attributes.get("relative_to", "").strip() if pose is not None else ""
         local = self.local(pose, name) if pose is not None else self.poses[MODEL]
-        return _composed(self.within(outer, base or around, asked_by, depth + 1), local)
+        return composed(self.within(outer, base or around, asked_by, depth + 1), local)
 
-    def local(self, pose: XmlElement, where: str) -> FramePose:
+    def local(self, pose: XmlElement, where: str) -> ArrayPose:
         """The numbers of a <pose>: position, then roll, pitch, yaw or a quaternion x, y, z, w."""
         form = pose.attributes.get("rotation_format", "euler_rpy")
         if form == "quat_xyzw":
@@ -237,12 +235,12 @@ class SdfReader(Elements):
         R, _ = rpy(*angles, snap=self.snap).lower(space, VALUES)
         return np.array(R, dtype=float), np.array(values[:3])
 
-    def relative(self, outer: str, name: str, asked_by: XmlElement) -> FramePose:
+    def relative(self, outer: str, name: str, asked_by: XmlElement) -> ArrayPose:
         """A frame's pose in another one: as written, where it is given there."""
         poses = self.pose_of(outer, asked_by), self.pose_of(name, asked_by)
         if poses[0] is poses[1]:
             return np.eye(3), np.zeros(3)
-        return self.inside.get((outer, name)) or _between(*poses)
+        return self.inside.get((outer, name)) or seen_from(*poses)
 
     def frame(self, element: XmlElement) -> None:
         """A frame fixed to a link, directly or through others."""
@@ -550,17 +548,7 @@ def _type(joint: XmlElement) -> str:
     return joint.attributes.get("type", "").strip()
 
 
-def _composed(outer: FramePose, inner: FramePose) -> FramePose:
-    return outer[0] @ inner[0], outer[0] @ inner[1] + outer[1]
-
-
-def _between(outer: FramePose, inner: FramePose) -> FramePose:
-    """The inner pose expressed in the outer one."""
-    back = outer[0].T
-    return back @ inner[0], back @ (inner[1] - outer[1])
-
-
-def _placement(pose: FramePose) -> Placement:
+def _placement(pose: ArrayPose) -> Placement:
     R, p = pose
     near = np.allclose(R, np.eye(3), rtol=0, atol=1e-15)
     turned = Placement() if near else rotate(R, "pose")

@@ -275,7 +275,7 @@ def _joint(element: XmlElement, scope: ModelScope) -> XmlElement:
 
 
 def _of_axis(child: XmlElement, axis: XmlElement, scope: ModelScope) -> XmlElement:
-    """An element of a joint's axis."""
+    """An element inside a joint's <axis>, with the names in it as the whole model has them."""
     attributes = dict(child.attributes)
     if child.tag == "xyz":
         given = attributes.get("expressed_in", "").strip()

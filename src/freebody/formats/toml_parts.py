@@ -46,6 +46,7 @@ from freebody.model.placement import (
 from freebody.model.struts import NUMBERS as STRUT_NUMBERS
 from freebody.model.struts import Strut
 from freebody.outputs.number_text import compared
+from freebody.spatial import space
 
 DRIVE = tuple(dict.fromkeys(number.place[0] for number in NUMBERS.values()))
 _OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
@@ -427,9 +428,7 @@ def _about(axis: Iterable[float], length: float, angle: float) -> np.ndarray:
     """Rotation matrix by an angle (rad) about an axis of that length (Rodrigues)."""
     if length == 0.0:
         return np.eye(3)
-    x, y, z = (a / length for a in axis)
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+    return np.array(space.rotation(tuple(a / length for a in axis), angle))
 
 
 def _matrix(table: TomlTable, dim: int) -> Placement:

@@ -6,8 +6,9 @@ Refusals name the link or joint, the file's line where there is one, and the rem
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal, NoReturn, TypeVar
 
 import numpy as np
@@ -21,7 +22,7 @@ from freebody.errors import (
     listed,
     warn,
 )
-from freebody.model import changes, name_rules
+from freebody.model import changes, refusal_rules
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import (
     MOST_LINKS,
@@ -52,6 +53,7 @@ MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
 Policy = Literal["warn", "refuse", "ignore"]
 _LinkOrJoint = TypeVar("_LinkOrJoint", Link, Joint)
+_Joining = TypeVar("_Joining", Loop, Strut)
 
 
 def build_model(
@@ -194,14 +196,14 @@ class _Assembly:
             tuple(frames),
             *d.gravity,
             base_inertias=tuple(parts[-1]),
-            loops=self.loops(movable),
+            loops=self.joining(d.loops, partial(checked_loop, d.dim), movable),
             formulas=d.formulas,
             home=d.home,
             source=d.source,
             about=d.about,
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
-            struts=self.struts(movable),
+            struts=self.joining(d.struts, checked_strut, (*movable, *d.loops)),
             shapes=tuple((link.name, shape) for link in d.links for shape in link.shapes),
         )
         if problem := loss_fault(model.bodies, model.loops):
@@ -260,30 +262,23 @@ class _Assembly:
             frames.append(Frame(mount.name, *carrier[mount.name], mount.link, mounted=True))
         return frames
 
-    def loops(self, joints: list[Joint]) -> tuple[Loop, ...]:
-        """Loops of the description, each checked."""
+    def joining(
+        self,
+        parts: Sequence[_Joining],
+        check: Callable[[_Joining, Mapping[str, int], Container[str]], _Joining],
+        others: Iterable[Joint | Loop],
+    ) -> tuple[_Joining, ...]:
+        """Loops or struts of the description, each checked; others: parts whose names they may not
+        have."""
         body_of = {name: body for name, (body, _) in self.carrier.items()}
-        taken = {joint.name for joint in joints}
+        taken = {part.name for part in others}
         checked = []
-        for loop in self.description.loops:
+        for part in parts:
             try:
-                checked.append(checked_loop(loop, self.description.dim, body_of, taken))
+                checked.append(check(part, body_of, taken))
             except (ModelError, UnknownNameError) as error:
-                self.checks.refuse(str(error), loop.line)
-            taken.add(loop.name)
-        return tuple(checked)
-
-    def struts(self, joints: list[Joint]) -> tuple[Strut, ...]:
-        """Struts of the description, each checked."""
-        body_of = {name: body for name, (body, _) in self.carrier.items()}
-        taken = {part.name for part in (*joints, *self.description.loops)}
-        checked = []
-        for strut in self.description.struts:
-            try:
-                checked.append(checked_strut(strut, body_of, taken))
-            except (ModelError, UnknownNameError) as error:
-                self.checks.refuse(str(error), strut.line)
-            taken.add(strut.name)
+                self.checks.refuse(str(error), part.line)
+            taken.add(part.name)
         return tuple(checked)
 
     def _unknown(self, what: str, name: str, where: str, known: Collection[str]) -> NoReturn:
@@ -308,7 +303,7 @@ class _DescriptionChecks:
     def unique(self, what: str, parts: Sequence[_LinkOrJoint]) -> dict[str, _LinkOrJoint]:
         """The links or joints by name; refuses parts without a name and two of one name."""
         names = [part.name for part in parts]
-        for rule in name_rules.EVERY_NAME:
+        for rule in refusal_rules.EVERY_NAME:
             for i in rule.broken(names):
                 self.refuse(f"{rule.said(what, names[i])}; {rule.remedy}.", parts[i].line)
         return dict(zip(names, parts, strict=True))
@@ -325,7 +320,7 @@ class _DescriptionChecks:
                 f"{where}: a {kind.name} joint needs a model in space, this one is planar.",
                 joint.line,
             )
-        for end, name in name_rules.unknown_ends(joint, self.links):
+        for end, name in refusal_rules.unknown_ends(joint, self.links):
             unknown = UnknownNameError(f"{end} link", name, "the file", self.links)
             self.refuse(f"{where}: {unknown}", joint.line)
         if joint.parent == joint.child:
@@ -451,6 +446,6 @@ class _DescriptionChecks:
         return roots[0]
 
 
-def _shortened(names: list[str], most: int = 12) -> list[str]:
-    """The names, with a gap in the middle where there are many."""
-    return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]
+def _shortened(names: list[str]) -> list[str]:
+    """The names, with a gap in the middle where there are more than twelve."""
+    return names if len(names) <= 12 else [*names[:10], "…", names[-1]]

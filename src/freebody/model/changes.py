@@ -285,7 +285,7 @@ def with_loop(model: Model, loop: Loop) -> Model:
     """The model with one more loop; see `Model.with_loop`."""
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.reaction_names, *model.strut_names)
-    loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
+    loops = (*model.loops, checked_loop(model.dim, loop, body_of, taken))
     if problem := loss_fault(model.bodies, loops):
         raise ModelError(f"with_loop: {problem}.")
     return with_symbols_known(replace(model, loops=loops), loop)

@@ -17,11 +17,11 @@ from freebody.lazy import Keeps, cached_property
 from freebody.model.drives import LAWS, NUMBERS, DriveLaw, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
-from freebody.model.limit_rules import NO_JOINT_HAS, is_not_given
 from freebody.model.mimics import Mimic
 from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, quantity, real
 from freebody.model.placement import Placement
+from freebody.model.refusal_rules import NO_JOINT_HAS, is_not_given
 from freebody.model.shapes import Shape
 from freebody.model.struts import Strut
 

@@ -102,7 +102,8 @@ def _shifted(u: Array, k: int) -> Array:
 
 
 def _at(points: Callable[..., Sequence[Any]], u: Array) -> Array:
-    """Points (k, dim) at parameters u."""
+    """Points (k, dim) of a body at the parameters u (k, ...) over which its inertia is
+    integrated."""
     rows = [np.broadcast_to(x, len(u)) for x in points(*u.T)]
     return np.stack(rows, axis=-1).astype(complex)
 

@@ -56,16 +56,7 @@ def geometry_of(model: Model) -> Geometry:
 def geometric_fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
     """The function `find`, called once a geometry: it looks at nothing else of a model, and of a
     family at its first member."""
-    key = f"{find.__module__}.{find.__qualname__}"
-
-    @wraps(find)
-    def known(model: Model) -> T:
-        facts = model.geometry.facts
-        if key not in facts:
-            facts.setdefault(key, find(first_member(model)))
-        return facts[key]
-
-    return known
+    return _kept(find, lambda model: model.geometry.facts, first_member)
 
 
 def first_member(model: Model) -> Model:
@@ -78,13 +69,22 @@ def first_member(model: Model) -> Model:
 def fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
     """The function `find`, called once a model: it takes nothing else, so that no answer depends on
     what was found before."""
+    return _kept(find, lambda model: model.facts, lambda model: model)
+
+
+def _kept(
+    find: Callable[[Model], T],
+    facts_of: Callable[[Model], dict[Any, Any]],
+    asked: Callable[[Model], Model],
+) -> Callable[[Model], T]:
+    """The function `find`, called with the model that is asked, once for each of these facts."""
     key = f"{find.__module__}.{find.__qualname__}"
 
     @wraps(find)
     def known(model: Model) -> T:
-        facts = model.facts
-        if key not in facts:
-            facts.setdefault(key, find(model))  # of two threads both take what the first found
+        facts = facts_of(model)
+        if key not in facts:  # of two threads both take what the first found
+            facts.setdefault(key, find(asked(model)))
         return facts[key]
 
     return known

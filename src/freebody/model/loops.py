@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from freebody.model.model import Model
 
 
-def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Container[str]) -> Loop:
+def checked_loop(dim: int, loop: Loop, body_of: Mapping[str, int], taken: Container[str]) -> Loop:
     """The loop with a unit axis and a distance where it has one; refuses what closes nothing.
 
     body_of: the body of each frame; taken: names of joints and other loops.

@@ -63,7 +63,8 @@ class Mimic:
 
     @property
     def coefficients(self) -> RatioCoefficients:
-        """Coefficients of the first leader's position, or of the only one's."""
+        """Coefficients of the powers, from the first, of the position of the first leader in the
+        joint's own position."""
         return (self.ratio, *self.powers)
 
     def seen_at(self, scale: float, shift: float) -> Mimic:

@@ -8,16 +8,21 @@ from itertools import groupby
 
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import EXACT, VALUES, QuantityReader, exact_sin_cos
-from freebody.spatial import AnySpace, Matrix, Vector, add, identity, product, times
+from freebody.spatial import AnySpace, Matrix, Vector, add, identity, of_dimension, product, times
 
 _LONGEST = 24
 """Steps that a placement keeps one by one. Links fixed to one another in a row would otherwise,
 each with all the steps to it, take time and memory that grow with their number squared."""
+
+
+ArrayPose = tuple[Array, Array]
+"""A rotation (dim, dim) and a position (dim,)."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,11 @@ class Placement(Keeps):
             run = tuple(together)
             steps += run if named else _as_numbers(Placement(run), space)
         return Placement(tuple(steps))
+
+    def arrays(self, dim: int = 3) -> ArrayPose:
+        """The rotation and position as arrays, of a pose in which every parameter has a value."""
+        R, p = self.lower(of_dimension(dim), VALUES)
+        return np.array(R, dtype=float), np.array(p, dtype=float)
 
     def lower(self, space: AnySpace, reader: QuantityReader) -> tuple[Matrix, Vector]:
         """The rotation and position (R_AB, p_AB) in scalars."""
@@ -142,3 +152,14 @@ def rpy(roll: float, pitch: float, yaw: float, snap: float = EXACT) -> Placement
     for axis, angle in (("z", yaw), ("y", pitch), ("x", roll)):
         R = product(R, about(axis, *exact_sin_cos(angle, snap)))
     return Placement() if identity(3) == R else Placement((Rotate(R),))
+
+
+def composed(outer: ArrayPose, inner: ArrayPose) -> ArrayPose:
+    """A pose in a frame that is itself placed."""
+    return outer[0] @ inner[0], outer[0] @ inner[1] + outer[1]
+
+
+def seen_from(outer: ArrayPose, inner: ArrayPose) -> ArrayPose:
+    """The inner pose expressed in the outer one, both placed in one frame."""
+    back = outer[0].T
+    return back @ inner[0], back @ (inner[1] - outer[1])

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,7 @@ from freebody.model.families import Members, one_family
 from freebody.model.kept_facts import fact
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import Placement, rotate, shift
-from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
-from freebody.spatial import of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -95,7 +93,7 @@ def _one_line(rotor: Body, body: Body, dim: int) -> bool:
     """Whether the axes of two joints in a row are one line; those of slides are parallel."""
     if not body.joint.placement.steps and body.joint.axis == rotor.joint.axis:
         return True
-    R, p = _pose(body.joint.placement, dim)
+    R, p = body.joint.placement.arrays(dim)
     if not body.joint.axis:
         return not p.any()
     one, two, aside = np.array(rotor.joint.axis), np.array(body.joint.axis), p
@@ -104,11 +102,6 @@ def _one_line(rotor: Body, body: Body, dim: int) -> bool:
     if body.kind.slides:
         aside = np.zeros(dim)
     return max(abs(one - two).max(), abs(aside).max()) <= _NEAR
-
-
-def _pose(placement: Placement, dim: int) -> tuple[np.ndarray, np.ndarray]:
-    R, p = placement.lower(of_dimension(dim), VALUES)
-    return np.array(R, dtype=float), np.array(p, dtype=float)
 
 
 # ------------------------------------------------------------ the robot in which they are rigid
@@ -149,7 +142,7 @@ def _made_rigid(model: Model, gone: Collection[int]) -> tuple[Model, dict[int, B
         """A placement in a body's frame as one in the frame of the body that it now is."""
         if body not in behind or not behind[body].steps:
             return placement
-        R, p = _pose(behind[body], model.dim)
+        R, p = behind[body].arrays(model.dim)
         return rotate(R.T, model.name).then(shift(*(-p).tolist())).then(placement)
 
     bodies = []
@@ -258,10 +251,3 @@ def shaft_names(model: Model) -> tuple[str, ...]:
     """Names of the shafts of flexible joints, which are those of their twists as positions and
     rates."""
     return tuple(model.bodies[k].joint.name for k in shafts(model))
-
-
-def as_links(model: Model, q: Any) -> tuple[Model, Any]:
-    """(the robot with rigid joints, its q) with links where the model's are at q (..., nq); the
-    model and q themselves where no joint is flexible."""
-    found = untwisted(model)
-    return (model, q) if found is None else (found.model, found.links(q))

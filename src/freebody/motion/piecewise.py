@@ -65,7 +65,7 @@ class PiecewisePolynomial(Titled, ByValue):
         return PPoly(np.array(self.coefficients), np.array(self.breaks))
 
     def __call__(self, t: ArrayLike) -> Array:
-        """Values (..., n) at t (...)."""
+        """Values (..., n) of the piecewise polynomial at times t (...)."""
         return self._pieces(t)
 
     def before(self, t: Array) -> Array:

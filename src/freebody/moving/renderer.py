@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from freebody.outputs.page_script import joined
+from freebody.outputs.pages import joined
 
 _FILES = (
     "numbers.js", "vectors.js", "solids.js", "raster.js", "camera.js", "floor.js", "symbols.js",

@@ -107,7 +107,8 @@ def quaternion_coordinates(model: Model) -> Index:
 
 
 def _given(function: str, model: Model, stiffness: Stiffness) -> Array:
-    """(..., nv) as given, 0 where nothing is."""
+    """Stiffnesses (nv,) of drives as a user gives them, 0 for coordinates to which none is
+    given."""
     if stiffness is None:
         return np.zeros(model.nv)
     names = model.velocity_names

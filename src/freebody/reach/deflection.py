@@ -61,7 +61,7 @@ class Deflection(Tabled, ByValue):
 
     @property
     def displacement(self) -> Array:
-        """(..., six), the whole."""
+        """Displacement of the frame (..., six) by gravity and wrenches together."""
         return self.by_gravity + self.by_wrenches
 
     @property

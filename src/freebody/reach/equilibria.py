@@ -71,7 +71,8 @@ class Equilibria(Keeps):
     # ------------------------------------------------------------ in proportion
     @cached_property
     def _linear(self) -> Array:
-        """The ways (n, nv, 2) by which coordinates yield to weights and to loads."""
+        """Displacements (n, nv, 2) of the coordinates, linear in weights and in loads, that these
+        cause."""
         joints, tree = self.joints, self.joints.model.opened
         weight = static_torque(tree, self.q)
         pull = static_torque(tree, self.q, self.loads) - weight if self.loads else 0.0 * weight

@@ -35,7 +35,7 @@ from freebody.report.card import Card, card
 from freebody.report.load_case import LoadCase, carried_mass
 from freebody.report.results import LimitUse, MotionVerdict
 from freebody.report.series import coordinates
-from freebody.report.summary import drive_table, energy_text
+from freebody.report.summary import drive_table, energy_text, share
 from freebody.report.variables import dataset
 from freebody.report.verdict import judged_motion, part_uses, verdict
 
@@ -288,8 +288,8 @@ def _summary(model: Model, done: Sequence[_StudiedSegment], cycle: DutyCycle) ->
         "rms_torque": rms,
         "mean_power": (each("mean_power") * moving).sum(axis=0) / period,
         **work,
-        "regenerated_share": _share(work["work_braked"], work["work_done"]),
-        "total_regenerated_share": _share(work["total_work_braked"], work["total_work_done"]),
+        "regenerated_share": share(work["work_braked"], work["work_done"]),
+        "total_regenerated_share": share(work["total_work_braked"], work["total_work_done"]),
         "total_peak_power": max(each("total_peak_power"), key=abs),
         "velocity_fraction": np.nanmax(each("velocity_fraction"), axis=0, initial=-np.inf),
         "effort_fraction": np.abs(torque).max(axis=0) / limited,
@@ -314,10 +314,6 @@ def _largest(name: str, values: Array, times: Array) -> dict[str, Array]:
         f"{name}_time": np.take_along_axis(times, k, axis=0)[0],
         f"{name}_segment": k[0] + 1.0,
     }
-
-
-def _share(part: Array, whole: Array) -> Array:
-    return np.divide(part, whole, out=np.full(np.shape(whole), np.nan), where=np.asarray(whole) > 0)
 
 
 def _rms_uses(model: Model, found: xr.Dataset) -> Iterator[LimitUse]:

@@ -18,7 +18,7 @@ from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import joint_axes, scene
 from freebody.moving.shape_solids import drawn_as
-from freebody.outputs.page_script import joined, packed, packed_numbers
+from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.page_figures import TOTAL
 from freebody.report.shown_motion import ShownMotion, shown_motion
 from freebody.report.tables import shortened

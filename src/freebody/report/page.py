@@ -26,7 +26,7 @@ from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
-from freebody.outputs.page_head import SHEETS, math_style, policy
+from freebody.outputs.pages import SHEETS, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.moving_page import moving_page

@@ -316,7 +316,7 @@ TABLES = (
 
 
 def whole(study: Study) -> xr.Dataset:
-    """The summary and the page's other numbers."""
+    """The summary of a study and the facts that its page shows beside it, in one dataset."""
     return xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
 
 

@@ -98,7 +98,7 @@ def makers(study: Study, report: bool) -> Makers:
 
 
 def dataset(study: Study) -> xr.Dataset:
-    """Time series, summary and facts in one dataset."""
+    """The time series, summary and facts of a study in one dataset."""
     import xarray as xr
 
     whole = xr.merge(
@@ -124,25 +124,25 @@ def dataset(study: Study) -> xr.Dataset:
 
 def cycle_card_text(study: CycleStudy) -> str:
     """Verdict, card and load cases of a duty cycle as JSON, as of `card_text`."""
-    told = {
-        "robot": study.model.name,
-        "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
-        "card": by_field(study.card),
-        "load_cases": [by_field(case) for case in study.load_cases],
-        "rows": study.card.rows,
-    }
-    return json.dumps(_plain(told), indent=1) + "\n"
+    cases = {"load_cases": [by_field(case) for case in study.load_cases]}
+    return _verdict_and_card(study, cases, study.card.rows)
 
 
 def card_text(study: Study) -> str:
     """Verdict, card and load case as JSON: numbers in SI units, null where one is not known or has
     no end, and the rows of both as texts."""
+    rows = [*study.card.rows, *study.load_case.rows]
+    return _verdict_and_card(study, {"load_case": by_field(study.load_case)}, rows)
+
+
+def _verdict_and_card(study: Study | CycleStudy, cases: dict[str, Any], rows: Any) -> str:
+    """Verdict and card of a study, with its load cases by name and rows of text, as JSON."""
     told = {
         "robot": study.model.name,
         "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
         "card": by_field(study.card),
-        "load_case": by_field(study.load_case),
-        "rows": [*study.card.rows, *study.load_case.rows],
+        **cases,
+        "rows": rows,
     }
     return json.dumps(_plain(told), indent=1) + "\n"
 

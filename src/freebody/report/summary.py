@@ -9,7 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.design.joint_loads import JOINT_LOADS
-from freebody.design.postures import heaviest_postures
+from freebody.design.loads import heaviest_postures
 from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
 from freebody.model.doubts import attribute, doubts_on
 from freebody.model.model import Model
@@ -79,13 +79,13 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
         "work_done": done,
         "work_braked": braked,
         "net_work": done - braked,
-        "regenerated_share": _share(braked, done),
+        "regenerated_share": share(braked, done),
         "total_work_done": done.sum(),
         "total_work_braked": braked.sum(),
         "total_net_work": (done - braked).sum(),
         "shared_work_done": shared_done[0],
         "shared_work_braked": shared_braked[0],
-        "total_regenerated_share": _share(braked.sum(), done.sum()),
+        "total_regenerated_share": share(braked.sum(), done.sum()),
         "total_peak_power": _peak(t, together)[0][0],
     }
 
@@ -120,7 +120,8 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
     )
 
 
-def _share(part: Array, whole: Array) -> Array:
+def share(part: Array, whole: Array) -> Array:
+    """What part is of the whole, entry by entry; NaN where the whole is not above 0."""
     return np.divide(part, whole, out=np.full(np.shape(whole), np.nan), where=np.asarray(whole) > 0)
 
 

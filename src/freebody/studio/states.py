@@ -9,8 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.studio.kernels import Studied
-from freebody.studio.page_kernel import PageKernel
+from freebody.studio.kernels import PageKernel, Studied
 from freebody.trees.positions import random_state
 
 KernelStates = dict[str, Array]

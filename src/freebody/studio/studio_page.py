@@ -27,12 +27,11 @@ from freebody.motion.smooth_friction import without_friction
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import Scene, scene
 from freebody.outputs.number_text import significant
-from freebody.outputs.page_script import joined, packed
+from freebody.outputs.pages import joined, packed
 from freebody.report.page import filled, how_read, source
 from freebody.report.tables import shortened
 from freebody.report.what_if import round_up
-from freebody.studio.kernels import Studied, kernels
-from freebody.studio.page_kernel import PageKernel
+from freebody.studio.kernels import PageKernel, Studied, kernels
 from freebody.studio.states import COUNT, DAMPING, STEP, states
 from freebody.trees.positions import random_state
 from freebody.trees.public_calls import single_vector

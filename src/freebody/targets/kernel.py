@@ -193,7 +193,7 @@ class Kernel:
         """The outputs of a long call, made part by part so that an interrupt need not wait, and
         shared among threads where that is worthwhile.
 
-        At once where there is no batch, or where NumPy has something to say about the arrays.
+        In one piece where there is no batch, and where arrays do not fit, which NumPy then says.
         """
         values = [self._converted(np.asarray(array)) for array in arrays]
         self._require_threads(threads)

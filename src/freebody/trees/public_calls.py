@@ -339,7 +339,14 @@ def single_vector(function: str, model: Model, name: str, value: Any) -> Array:
 def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
     """The common batch shape of several inputs; raises an error if they do not broadcast
     together."""
-    shapes = {name: array.shape[: array.ndim - core_axes(name)] for name, array in named.items()}
+    return common_shape(
+        function, {name: x.shape[: x.ndim - core_axes(name)] for name, x in named.items()}
+    )
+
+
+def common_shape(function: str, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
+    """The common batch shape of inputs of these batch shapes; raises an error if they do not
+    broadcast together."""
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:

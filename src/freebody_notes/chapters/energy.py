@@ -8,16 +8,14 @@ import freebody as fb
 from freebody_notes.checks import Related
 
 
-def moving_bar(turning=1.4, sliding=1.0, pinned=False):
+def moving_bar(turning=1.4, pinned=False):
     """A moving uniform bar: its kinetic energy as the integral of ½ dm v² along it, and the kinetic
     energy that freebody computes."""
     l, m = 1.2, 3.0
     body = fb.planar(
         "PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0
     )
-    q, qd = [0.3, -0.4, 0.7], [0.9 * sliding, -0.5 * sliding, turning]
-    if pinned:
-        qd[0] = qd[1] = 0.0
+    q, qd = [0.3, -0.4, 0.7], [0.0 if pinned else 0.9, 0.0 if pinned else -0.5, turning]
     u, w = np.polynomial.legendre.leggauss(8)
     points = [fb.velocity(body, q, qd, "link3", point=[x, 0.0])[:2] for x in l / 2 * (u + 1)]
     v_G = fb.velocity(body, q, qd, "link3", point=[l / 2, 0.0])[:2]

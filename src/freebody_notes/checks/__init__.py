@@ -4,12 +4,9 @@ digits, by a function, or by drawing its figure; statements that cannot be execu
 from collections.abc import Mapping
 from typing import Any
 
-from freebody_notes.checks.answer import Answer
-from freebody_notes.checks.by_function import ByFunction
-from freebody_notes.checks.by_reading import ByReading
 from freebody_notes.checks.calls import ARM
-from freebody_notes.checks.digits import Digits
 from freebody_notes.checks.evidence import number
+from freebody_notes.checks.kinds import Answer, ByFunction, ByReading, Digits
 from freebody_notes.checks.relation import Related
 
 __all__ = ["ARM", "SHARED", "Answer", "ByFunction", "ByReading", "Digits", "Related", "number"]

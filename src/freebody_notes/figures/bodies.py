@@ -29,17 +29,17 @@ _OUTLINE = (
 )
 
 
-def outline(body: BodyPlace, corners: Array, name: str = "body") -> Line:
+def outline(body: BodyPlace, corners: Array) -> Line:
     """A smooth closed curve around a body through places given in its axes (k, 2), metres."""
     smooth = _rounded(np.asarray(corners, dtype=float))
     return Line(
-        tuple(point(body.origin + body.rotation @ p) for p in smooth), name, "solid", closed=True
+        tuple(point(body.origin + body.rotation @ p) for p in smooth), "body", "solid", closed=True
     )
 
 
-def _rounded(corners: Array, rounds: int = 5) -> Array:
+def _rounded(corners: Array) -> Array:
     """Rounded corners of a closed polygon, by Chaikin's corner cutting."""
-    for _ in range(rounds):
+    for _ in range(5):
         after = np.roll(corners, -1, axis=0)
         corners = np.stack(
             [0.75 * corners + 0.25 * after, 0.25 * corners + 0.75 * after], axis=1

@@ -2,40 +2,33 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
 from freebody.figures.drawing import Arc, Dimension, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.bare_robot import axes
 from freebody.figures.view import FLAT
 from freebody.formats.loading import load
-from freebody.outputs.number_text import compared
+from freebody.loops.assembly import assemble
+from freebody.trees.kinematics import forward_kinematics
+
+_CRANKS = {"theta1": 2.0, "theta2": 1.0}
+"""Angles of the cranks from x, rad."""
+_FRAMES = {"A": "crank1", "B": "distal1", "C": "crank2", "D": "distal2", "P": "P"}
+"""The frame at each point of the figure."""
 
 
-def five_bar(
-    lengths: Sequence[float] | None = None,
-    base: float | None = None,
-    angles: Sequence[float] = (2.0, 1.0),
-    assembly: int = 1,
-) -> Figure:
+def five_bar() -> Figure:
     """Figure 2.2: A (-d/2, 0), C (d/2, 0), cranks AB and CD, bars BP and DP; lengths, and the
-    vectors of (2.29)-(2.32).
-
-    lengths: l1 (AB), l2 (CD), l3 (BP), l4 (DP), m, and base: d, m; default: those of the bundled
-    five_bar. angles: of the cranks from x, rad. assembly: 1 for P left of the line from B to D, -1
-    for the other side. Raises FreebodyError where the bars do not meet.
-    """
-    known = load("five_bar").parameters
-    chosen = [known[f"l{k}"] or 0.0 for k in range(1, 5)] if lengths is None else lengths
-    places = closed(chosen, 2 * (known["b"] or 0.0) if base is None else base, angles, assembly)
-    first = _robot(places, angles, "(a) lengths and angles")
+    vectors of (2.29)-(2.32)."""
+    model = load("five_bar")
+    q = assemble(model, _CRANKS, free=["B", "D"])
+    places = {x: forward_kinematics(model, q, frame)[:2, 2] for x, frame in _FRAMES.items()}
+    places["O"] = np.zeros(2)
+    first = _robot(places, "(a) lengths and angles")
     _lengths(first, places)
-    second = _robot(places, angles, "(b) the vectors of the two limbs")
+    second = _robot(places, "(b) the vectors of the two limbs")
     for start, end in ("AB", "CD", "AP", "CP"):
         second.position(places[start], places[end], start + end)
     for drawing in (first, second):
@@ -44,31 +37,7 @@ def five_bar(
     return Figure("A planar five-bar parallel robot", (first, second))
 
 
-def closed(
-    lengths: Sequence[float], base: float, angles: Sequence[float], assembly: int = 1
-) -> dict[str, Array]:
-    """Places of O, A, B, C, D and P (2,) for the cranks' angles; P is where the circles about B and
-    D meet."""
-    l1, l2, l3, l4 = lengths
-    A, C = np.array([-base / 2, 0.0]), np.array([base / 2, 0.0])
-    B = A + l1 * np.array([math.cos(angles[0]), math.sin(angles[0])])
-    D = C + l2 * np.array([math.cos(angles[1]), math.sin(angles[1])])
-    across = D - B
-    distance = float(np.linalg.norm(across))
-    if not abs(l3 - l4) <= distance <= l3 + l4 or not distance:
-        given, least, most = compared(distance, abs(l3 - l4), l3 + l4)
-        raise FreebodyError(
-            f"five_bar: B and D are {given} m apart; bars of {l3:g} m and {l4:g} m meet only if "
-            f"the distance is from {least} m to {most} m. Choose other crank angles."
-        )
-    along = (l3**2 - l4**2 + distance**2) / (2 * distance)
-    height = math.sqrt(max(l3**2 - along**2, 0.0))
-    u = across / distance
-    P = B + along * u + assembly * height * np.array([-u[1], u[0]])
-    return {"O": np.zeros(2), "A": A, "B": B, "C": C, "D": D, "P": P}
-
-
-def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Drawing:
+def _robot(places: dict[str, Array], note: str) -> Drawing:
     drawing = Drawing(FLAT, f"A planar five-bar robot: {note}")
     size = float(np.linalg.norm(places["P"] - places["A"]))
     axes(drawing, size, share=0.55)
@@ -86,7 +55,7 @@ def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Draw
         drawing.add(Label(point(places[name]), name, f"label {name}", direction=way))
     for name in "ABCDP":
         drawing.add(Mark(point(places[name]), "joint", name, "joint", size=6.0))
-    for crank, (name, turned) in enumerate(zip("AC", angles, strict=True), 1):
+    for crank, (name, turned) in enumerate(zip("AC", _CRANKS.values(), strict=True), 1):
         end = places[name] + np.array([0.3 * size, 0.0])
         drawing.add(Line((point(places[name]), point(end)), f"reference θ_{crank}", "guide"))
         drawing.add(

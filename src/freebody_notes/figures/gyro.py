@@ -4,7 +4,6 @@ takes about Y'."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,20 +16,15 @@ from freebody.figures.view import axonometric
 from freebody.formats.loading import load
 
 _RING = 0.62
+_RATES = (3.0, 5.0)
+"""Rates of yaw and roll, rad/s."""
 
 
-def gyro(
-    q: Sequence[float] = (0.3, 0.0),
-    qd: Sequence[float] = (3.0, 5.0),
-    qdd: Sequence[float] = (0.0, 0.0),
-) -> Figure:
+def gyro() -> Figure:
     """Figure 6.2: rotor, shaft along X', yaw axis Z', the components of ω at 5 and 3 rad/s, and the
-    moment n about Y' on the rotor.
-
-    q: yaw, roll (rad); qd, qdd: their rates. With constant rates the axis that carries n turns with
-    the ring.
-    """
-    seen = snapshot(load("gyro"), q, qd, qdd)
+    moment n about Y' on the rotor. With constant rates the axis that carries n turns with the
+    ring."""
+    seen = snapshot(load("gyro"), (0.3, 0.0), _RATES, (0.0, 0.0))
     yaw, roll = seen.pose.bodies
     if roll.axis is None or yaw.axis is None:
         raise ValueError("the gyro turns about two axes")
@@ -51,7 +45,7 @@ def gyro(
     for axis, name in ((x, "X′"), (y, "Y′"), (z, "Z′")):
         drawing.add(Line((point(-0.2 * axis), point(1.15 * axis)), f"axis {name}", "axisline"))
         drawing.add(Label(point(1.15 * axis), name, name, direction=point(axis)))
-    rate = 0.45 / max(abs(float(v)) for v in qd)
+    rate = 0.45 / max(abs(float(v)) for v in _RATES)
     for axis, value, name in ((x, seen.qd[1], "ω_{x′}"), (z, seen.qd[0], "ω_{z′}")):
         start = (_RING + 0.04) * axis
         drawing.arrow(

@@ -15,18 +15,17 @@ from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT
 from freebody.model.planar_arms import planar
-from freebody.trees.public_calls import JointVector
 from freebody_notes.figures.pattern_names import called
 
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
 
 
-def relative_velocity(q: JointVector = (0.45, 0.6), qd: JointVector = (0.8, 0.7)) -> Figure:
+def relative_velocity() -> Figure:
     """Figure 4.1: links O-B and B-A with their angles and rates; v_A = v_B + ω × s, drawn to
     scale."""
     model = planar("RR", l=[1.0, 0.9], lc=[0.5, 0.45], m=[1.0, 1.0], I=[0.1, 0.1])
     seen = called(
-        snapshot(model, q, qd, [0.0, 0.0]),
+        snapshot(model, (0.45, 0.6), (0.8, 0.7), [0.0, 0.0]),
         index=lambda n: "0" if n == 1 else "",
         letters=lambda n: "O" if n == 1 else "B",
         tip="A",

@@ -34,14 +34,14 @@ _TIP = [-4.5, -3.0, 0.0]
 """The tip load of section 2.4: force (N), moment (N m)."""
 
 
-def _two_links(
-    q: JointVector | None = None,
-    qd: JointVector | None = None,
-    qdd: JointVector | None = None,
-    wrenches: FrameWrenchTable = None,
-) -> Snapshot:
-    """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
-    return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)
+def _at_rest(wrenches: FrameWrenchTable = None) -> Snapshot:
+    """The bundled arm 2R at rest at a pose that is seen well."""
+    return snapshot(load("2R"), None, [0.0, 0.0], [0.0, 0.0], wrenches)
+
+
+def _moving() -> Snapshot:
+    """The bundled arm 2R in motion."""
+    return snapshot(load("2R"), None, _RATES, _SECOND)
 
 
 def _panel(seen: Snapshot, note: str, layers: Sequence[Layer], faint: bool = False) -> Drawing:
@@ -59,9 +59,9 @@ def _single(before: str, n: str) -> str:
     return n
 
 
-def arm_and_vectors(q: JointVector | None = None) -> Figure:
+def arm_and_vectors() -> Figure:
     """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
-    seen = _two_links(q)
+    seen = _at_rest()
     first = _panel(seen, "(a) lengths, angles, centres of mass", _GEOMETRY)
     second = _panel(
         seen,
@@ -72,21 +72,21 @@ def arm_and_vectors(q: JointVector | None = None) -> Figure:
     return _together("A planar two-link arm", first, second)
 
 
-def free_bodies(q: JointVector | None = None, load: JointVector = _TIP) -> Figure:
+def free_bodies() -> Figure:
     """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
     torques."""
-    load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
-    seen = called(_two_links(q, wrenches=load), force=_single, letter="F", load="F")
+    wrench = [10 * x for x in _TIP]  # of the size of the weights, to be seen beside them
+    seen = called(_at_rest(wrench), force=_single, letter="F", load="F")
     first = _panel(seen, "(a) the arm", _GEOMETRY)
     second = apart(seen, ("r",), "(b) free-body diagrams of the links")
     return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
 
-def statics(q: JointVector = (0.9, 0.75), load: JointVector = _TIP) -> Figure:
+def statics() -> Figure:
     """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f,
     τ_1, ∓τ_2."""
-    seen = _two_links(q, wrenches=load)
-    seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
+    model = load("2R").replace(gravity=0.0)
+    seen = snapshot(model, (0.9, 0.75), [0.0, 0.0], [0.0, 0.0], _TIP)
     seen = called(seen, force=_single)
     first = _panel(seen, "(a) the arm, loaded at P", (*_GEOMETRY, _tip_force))
     second = apart(seen, ("s",), "(b) the links in equilibrium")
@@ -111,11 +111,9 @@ def _tip_force(drawing: Drawing, seen: Snapshot) -> None:
             drawing.add(arrow)
 
 
-def pendulum(
-    q: JointVector = (0.85,), qd: JointVector = (1.2,), qdd: JointVector = (0.8,)
-) -> Figure:
+def pendulum() -> Figure:
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
-    seen = _bar(q, qd, qdd)
+    seen = _bar((1.2,), (0.8,))
     first = _bar_panel(seen, "(a) the bar and its motion")
     first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -measures.BESIDE)
     first.add(*_velocity(seen))
@@ -123,17 +121,15 @@ def pendulum(
     return Figure("A pendulum", (first, second))
 
 
-def one_link(q: JointVector = (0.85,)) -> Figure:
+def one_link() -> Figure:
     """Figure 5.2: the pendulum bar with l, θ and C."""
-    return Figure(
-        "An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1
-    )
+    return Figure("An arm with one degree of freedom", (_bar_panel(_bar((0.0,), (0.0,)), ""),), 1)
 
 
-def _bar(q: JointVector, qd: JointVector, qdd: JointVector) -> Snapshot:
-    """Snapshot of the pendulum, a uniform bar of 1 m and 2 kg."""
+def _bar(qd: JointVector, qdd: JointVector) -> Snapshot:
+    """Snapshot of the pendulum at one angle, a uniform bar of 1 m and 2 kg."""
     model = planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[2.0 / 12])
-    seen = snapshot(model.replace(name="pendulum"), q, qd, qdd)
+    seen = snapshot(model.replace(name="pendulum"), (0.85,), qd, qdd)
     return called(
         seen,
         index=lambda n: "",
@@ -162,33 +158,27 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
     return Arrow(point(body.com), point(end), "v_{c}", "velocity", "*v*_{c}", point(v), "m/s"), rate
 
 
-def dynamics(
-    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
-) -> Figure:
+def dynamics() -> Figure:
     """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and
     torques."""
-    seen = _two_links(q, qd, qdd)
+    seen = _moving()
     velocities = partial(motion.of_centres, scaled=True)
     first = _panel(seen, "(a) angles, rates, velocities", (*_GEOMETRY, motion.rates, velocities))
     second = apart(seen, ("s", "sc"), "(b) free-body diagrams of the links")
     return Figure("Dynamics of a planar two-link arm", (first, second))
 
 
-def recursion(
-    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
-) -> Figure:
+def recursion() -> Figure:
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
-    seen = _two_links(q, qd, qdd)
+    seen = _moving()
     first = _panel(seen, "(a) accelerations", (*_accelerated(), measures.to_centres))
     second = apart(seen, ("s", "sc"), "(b) forces")
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
 
-def energies(
-    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
-) -> Figure:
+def energies() -> Figure:
     """Figure 5.3: the upper part of figure 4.3 with r_c1 and r_c2 from the origin."""
-    seen = _two_links(q, qd, qdd)
+    seen = _moving()
     drawing = _panel(seen, "", (*_accelerated(), measures.of_centres))
     drawing.notes = []
     return Figure("An arm with two degrees of freedom", (drawing,), 1, 460.0, 430.0)
@@ -207,12 +197,12 @@ def _accelerated() -> tuple[Callable, ...]:
     )
 
 
-def fixed_axis(q: JointVector = (0.7,), force: JointVector = (8.0, 30.0)) -> Figure:
+def fixed_axis() -> Figure:
     """Figure 1.5: a body pinned at O under a force F (N) at its end; the pin's reaction f, a_G and
     α, no weight."""
     model = planar("R", l=[1.0], lc=[0.55], m=[2.0], I=[0.2]).replace(gravity=0.0, name="body")
-    still = snapshot(model, q, (0.8,), (0.0,))
-    wrench = [*np.asarray(force, dtype=float), 0.0]
+    still = snapshot(model, (0.7,), (0.8,), (0.0,))
+    wrench = [8.0, 30.0, 0.0]
     qdd = forward_dynamics(model, still.q, still.qd, [0.0], wrenches=wrench)
     seen = snapshot(model, still.q, still.qd, qdd, wrench)
     first, second = (

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.polynomial import Polynomial
 
@@ -15,18 +13,14 @@ from freebody.figures.marked_text import bold
 from freebody.figures.view import FLAT
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)
-_MASSES = (2.0, 1.0, 1.5, 2.5, 1.0)
-_PLACES = ((0.6, 1.6), (1.3, 2.3), (2.2, 0.2), (3.2, 1.7), (3.3, 0.9))
+"""Coefficients of t^0, t^1, … of the coordinates of a point (m)."""
+_MASSES = (2.0, 1.0, 1.5, 2.5, 1.0)  # kg
+_PLACES = ((0.6, 1.6), (1.3, 2.3), (2.2, 0.2), (3.2, 1.7), (3.3, 0.9))  # m
 
 
-def trajectory(
-    x: Sequence[float] = _X, y: Sequence[float] = _Y, at: float = 0.8, until: float = 2.0
-) -> Figure:
-    """Figure 1.1: a curve with r(t) and, along its tangent, v(t), at the time `at` (s).
-
-    x, y: coefficients of t^0, t^1, … of the coordinates (m); drawn from t = 0 to `until`.
-    """
-    curve = Polynomial(x), Polynomial(y)
+def trajectory() -> Figure:
+    """Figure 1.1: a curve with r(t) and, along its tangent, v(t), at one time."""
+    curve, at, until = (Polynomial(_X), Polynomial(_Y)), 0.8, 2.0  # s
     here, v, a = (np.array([c.deriv(k)(at) for c in curve]) for k in range(3))
     drawing = Drawing(FLAT, "Planar trajectory and velocity")
     track = tuple(point(c(t) for c in curve) for t in np.linspace(0.0, until, 80))
@@ -50,12 +44,9 @@ def _vector(
     )
 
 
-def centre_of_mass(
-    masses: Sequence[float] = _MASSES, places: Sequence[Sequence[float]] = _PLACES
-) -> Figure:
-    """Figure 1.3: particles of some masses (kg) at places (m) with r_i and their centre r_G; the
-    same from G, ρ_i."""
-    m, r = np.asarray(masses, dtype=float), np.asarray(places, dtype=float)
+def centre_of_mass() -> Figure:
+    """Figure 1.3: particles with r_i and their centre r_G; the same from G, ρ_i."""
+    m, r = np.array(_MASSES), np.array(_PLACES)
     centre = m @ r / m.sum()
     first = _cloud(m, r, "O", "r", "(a) from any origin O")
     first.position(np.zeros(2), centre, "r_{G}")

@@ -15,38 +15,29 @@ from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
 
-_EULER = (math.pi / 4, 0.1, 0.2)
-_THRUSTS = (3.2, 1.4, 2.5, 3.6)
-_VELOCITY = (0.5, 0.9, 0.5)
+_EULER = (math.pi / 4, 0.1, 0.2)  # Z-X-Z, rad
+_THRUSTS = (3.2, 1.4, 2.5, 3.6)  # along the body's z, N
+_PLACE, _VELOCITY = (0.75, 0.75, 0.6), (0.5, 0.9, 0.5)  # of O, world axes, m and m/s
 _RADIUS = 0.19
 
 
-def quadrotor(
-    euler: Sequence[float] = _EULER,
-    thrusts: Sequence[float] = _THRUSTS,
-    place: Sequence[float] = (0.75, 0.75, 0.6),
-    velocity: Sequence[float] = _VELOCITY,
-) -> Figure:
+def quadrotor() -> Figure:
     """(a) the vehicle; (b) frames XYZ and xyz, rotors A to D, s_1; (c) F_1 to F_4 along body z, m
-    g, v.
-
-    euler: Z-X-Z angles (rad); thrusts: along the body's z (N); place of O (m) and its velocity
-    (m/s), world axes.
-    """
-    rotation = zxz(euler)
+    g, v."""
+    rotation = zxz(_EULER)
     model = load("quadrotor")
-    q = [*place, *_quaternion(rotation)]
+    q = [*_PLACE, *_quaternion(rotation)]
     wrenches = {
-        f"rotor{k}": [*(rotation[:, 2] * f), 0.0, 0.0, 0.0] for k, f in enumerate(thrusts, 1)
+        f"rotor{k}": [*(rotation[:, 2] * f), 0.0, 0.0, 0.0] for k, f in enumerate(_THRUSTS, 1)
     }
-    qd = [*(rotation.T @ np.asarray(velocity, dtype=float)), 0.0, 0.0, 0.0]
+    qd = [*(rotation.T @ np.asarray(_VELOCITY)), 0.0, 0.0, 0.0]
     seen = snapshot(model, q, qd, np.zeros(6), wrenches)
     view = axonometric(-75.0, 26.0)
     first = _vehicle(seen, view, "(a) the vehicle")
     second = _vehicle(seen, view, "(b) frames and rotors")
     _frames(second, seen)
     third = _vehicle(seen, view, "(c) forces and velocity")
-    _forces(third, seen, np.asarray(thrusts, dtype=float))
+    _forces(third, seen, np.asarray(_THRUSTS))
     return Figure("A quadrotor", (first, second, third), 3, 360.0, 360.0)
 
 

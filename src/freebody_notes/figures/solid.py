@@ -15,26 +15,21 @@ from freebody.figures.snapshot import snapshot
 from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
 
-_POSE = (0.2, 1.5, 0.75, 0.93, 0.12, -0.12, 0.28)
-_RATES = (0.1, 0.7, -0.35, -0.1, -0.35, 0.6)
-_FORCE = (4.0, 6.0, 6.0)
+_POSE = (0.2, 1.5, 0.75, 0.93, 0.12, -0.12, 0.28)  # x, y, z (m), quaternion w, x, y, z
+_RATES = (0.1, 0.7, -0.35, -0.1, -0.35, 0.6)  # v (m/s), ω (rad/s), body axes
+_FORCE = (4.0, 6.0, 6.0)  # N, world axes
 
 
-def free_body(
-    q: Sequence[float] = _POSE, qd: Sequence[float] = _RATES, force: Sequence[float] = _FORCE
-) -> Figure:
+def free_body() -> Figure:
     """Figure 6.1: one body in space with its frame x_i y_i z_i at the centre of mass, r, v_c and
-    its rate, ω, f, n_i.
-
-    q: x, y, z (m), quaternion w, x, y, z; qd: v (m/s), ω (rad/s), body axes; force: f (N), world
-    axes, at the middle of a face. n_i is its moment about the centre of mass; there is no weight.
-    """
+    its rate, ω, f at the middle of a face, and n_i, the moment of f about the centre of mass; there
+    is no weight."""
     model = load("quadrotor").replace(gravity=0.0, name="body")
-    unit = np.array(q, dtype=float)
+    unit = np.array(_POSE)
     unit[3:] /= np.linalg.norm(unit[3:])
-    wrench = {"rotor2": np.array([*force, 0.0, 0.0, 0.0])}
-    qdd = forward_dynamics(model, unit, qd, np.zeros(6), wrenches=wrench)
-    seen = snapshot(model, unit, qd, qdd, wrench)
+    wrench = {"rotor2": np.array([*_FORCE, 0.0, 0.0, 0.0])}
+    qdd = forward_dynamics(model, unit, _RATES, np.zeros(6), wrenches=wrench)
+    seen = snapshot(model, unit, _RATES, qdd, wrench)
     body, load_ = seen.pose.bodies[0], next(x for x in seen.loads[0].loads if x.role == "external")
     view = axonometric(24.0, 18.0)
     drawing = Drawing(view, "A free body in space with global and body-fixed frames")

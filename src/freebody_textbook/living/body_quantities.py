@@ -76,7 +76,7 @@ class Inputs(dict[str, Expr]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the inputs in order."""
+        """Names of the computation's inputs, in their order."""
         return tuple(self)
 
 

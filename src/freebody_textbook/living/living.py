@@ -17,7 +17,7 @@ from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.moving.renderer import renderer
-from freebody.outputs.page_script import joined, packed
+from freebody.outputs.pages import joined, packed
 from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers

@@ -218,7 +218,8 @@ class _LoopedBodies(FreeBodies):
         return [Step(title, f"{reason}{more}{unlisted}", (*lines, *found))]
 
     def _solved(self) -> tuple[str, list[Equation]]:
-        """The multipliers λ in the entries of k, if they are short."""
+        """A sentence on how A λ = k is solved, and the equations of the multipliers λ in the
+        entries of k; no equations where these are too long."""
         system, symbols = self.system, self.s.symbols
         unknown = self.loop_forces.unknowns
         if len(system.passive) != len(unknown):

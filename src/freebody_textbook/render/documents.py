@@ -14,7 +14,7 @@ from freebody.expressions.typesetting.literal import declared, literal
 from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.figures import colours
 from freebody.outputs.harmless_text import legal
-from freebody.outputs.page_head import SHEETS, math_style, policy
+from freebody.outputs.pages import SHEETS, math_style, policy
 from freebody_textbook.render import equation_lines, styles
 from freebody_textbook.render.prose import (
     Medium,

@@ -1,7 +1,7 @@
 """Styles of pages of derivations: everywhere, of marked terms, of the panel that can be tried, on
 paper, in narrow windows and under fingers.
 
-Paper is A4 or Letter; `freebody.outputs.page_head.SHEETS` has the styles of all pages there.
+Paper is A4 or Letter; `freebody.outputs.pages.SHEETS` has the styles of all pages there.
 """
 
 PAGE = """

@@ -116,7 +116,7 @@ assert status == 0, status
         ("fb.math.sin", "freebody.scalar_math", "create_module"),
         ("fb.compile", "freebody.targets.threads", "exec_module"),
         ("import freebody.kernels.own_functions", "freebody.targets.threads", "exec_module"),
-        ("import freebody_notes.run", "freebody_notes.item", "exec_module"),
+        ("import freebody_notes.item", "freebody_notes.item", "exec_module"),
     ],
 )
 def test_a_child_forked_while_another_thread_imports_goes_on(use, slow, stage):

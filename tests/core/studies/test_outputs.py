@@ -605,7 +605,7 @@ def allowing(scripts: list[str]) -> str:
 
 
 def test_a_policy_names_the_scripts_that_may_run():
-    from freebody.outputs.page_head import policy
+    from freebody.outputs.pages import policy
 
     # the example of the standard, Content Security Policy Level 3, section 2.3.1
     digest = "qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng="

@@ -10,7 +10,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 import freebody as fb
-from freebody.outputs.page_head import policy
+from freebody.outputs.pages import policy
 from support.browser import browser
 from support.hostile import hostile_study
 from support.hostile_pages import LIVING, pages

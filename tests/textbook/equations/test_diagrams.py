@@ -18,7 +18,6 @@ from freebody.figures.snapshot import clear_pose, with_values
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody_notes.figures.catalogue import FIGURES
-from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.methods import METHODS
@@ -387,15 +386,9 @@ def test_five_bar_closes(figures):
         fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9
     )
     np.testing.assert_allclose(arrow(figure, "CP", 1).end, at["P"])
-    other = closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0), -1)["P"]
-    assert other[1] < at["P"][1]
-    assert np.linalg.norm(other - closed((1, 1, 1.5, 1.5), 1.6, (2.0, 1.0))["B"]) == pytest.approx(
-        1.5
-    )
-    with pytest.raises(
-        fb.FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only if"
-    ):
-        five_bar((1.0, 1.0, 0.3, 0.3))
+    bars = [np.linalg.norm(at["P"] - at[x]) for x in "BD"]
+    np.testing.assert_allclose(bars, [model.parameters["l3"], model.parameters["l4"]])
+    np.testing.assert_allclose(at["B"] - at["A"], 0.4 * np.array([np.cos(2.0), np.sin(2.0)]))
 
 
 @pytest.mark.sample(1)

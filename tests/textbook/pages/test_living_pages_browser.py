@@ -13,8 +13,8 @@ import pytest
 
 import freebody as fb
 from freebody_notes.contents import chapters, items
+from freebody_notes.item import run_all
 from freebody_notes.page import pages
-from freebody_notes.run import run_all
 from freebody_textbook.living.line_values import line_values
 from freebody_textbook.living.living import is_diagnosed
 from support.methods import METHODS

@@ -80,8 +80,8 @@ class QuarticArm:
         return found
 
     def _between(self, c3: Vector, p: Vector) -> tuple[Vector, Scalar]:
-        """The point y between joints 2 and 3 that solves the linear conditions, and the excess of
-        its squared distance from joint 1 over what that must be."""
+        """The point y between joints 2 and 3 that solves the linear conditions, and by how much the
+        square of its distance from joint 1 exceeds the required one."""
         s1, s2 = self.s1, self.s2
         if s1.turning and s2.turning:
             o1, o2 = nearest_points(s1, s2)

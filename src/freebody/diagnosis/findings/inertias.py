@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm, pose_of
+from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.diagnosis.urdf_facts import TENSOR
 from freebody.errors import listed
@@ -68,7 +68,7 @@ def _size(facts: RobotFacts, name: str) -> float:
     shapes."""
     ends = [norm(x.pose[1]) for x in facts.joints if x.parent == name and x.pose is not None]
     link = facts.link[name]
-    shapes = [norm(pose_of(shape.placement)[1]) + shape.radius for shape in link.shapes]
+    shapes = [norm(shape.placement.arrays()[1]) + shape.radius for shape in link.shapes]
     return max([*ends, *shapes], default=0.0)
 
 

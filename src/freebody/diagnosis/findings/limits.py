@@ -9,9 +9,9 @@ from freebody.diagnosis.facts import FRICTIONS, JointFacts, RobotFacts, Written
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.diagnosis.findings.inertias import twins
 from freebody.errors import listed
-from freebody.model import limit_rules
+from freebody.model import refusal_rules
 from freebody.model.drives import NUMBERS
-from freebody.model.limit_rules import is_not_given
+from freebody.model.refusal_rules import is_not_given
 
 _MANY_TURNS = 4.0 * math.pi * 1.01
 """rad: a range within this is one of radians."""
@@ -36,7 +36,7 @@ def _swapped(facts: RobotFacts) -> Iterator[FoundFault]:
         lower, upper = joint.limits.get("lower"), joint.limits.get("upper")
         if lower is None or upper is None or lower.value is None or upper.value is None:
             continue
-        if limit_rules.SWAPPED.broken(lower.value, upper.value):
+        if refusal_rules.SWAPPED.broken(lower.value, upper.value):
             changes = (*_changed(lower, upper.text), *_changed(upper, lower.text))
             reason = f"joint {joint.name!r}: its lower limit {lower.value:g} is above its upper"
             yield FoundFault(f"{reason} one, {upper.value:g}", joint.limit_line, changes)
@@ -50,7 +50,7 @@ def _changed(number: Written, text: str) -> tuple[AttributeChange, ...]:
 
 def _negative(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
-        for rule in limit_rules.NEGATIVE:
+        for rule in refusal_rules.NEGATIVE:
             (name,) = rule.about
             number = joint.limits.get(name)
             if number and number.value is not None and rule.broken(number.value):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from freebody.diagnosis.facts import JointFacts, LinkFacts, RobotFacts, elements_in
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.errors import did_you_mean, likely, listed
-from freebody.model.name_rules import DUPLICATE, UNNAMED, NameRule, unknown_ends
+from freebody.model.refusal_rules import DUPLICATE, UNNAMED, NameRule, unknown_ends
 
 _ODD = re.compile(r"[^\w.:/+-]+")
 """Characters that names of ROS, of simulators and of generated code do not take."""

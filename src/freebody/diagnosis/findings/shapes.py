@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.facts import ArrayPose, LinkFacts, RobotFacts, norm
+from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm
 from freebody.diagnosis.finding import FileLine, FindingKind, FoundFault
 from freebody.errors import FreebodyError, listed
 from freebody.formats.masses import filled_shapes
 from freebody.lazy import kept
 from freebody.model.description import Link
 from freebody.model.inertia import Inertia, combined
+from freebody.model.placement import ArrayPose
 from freebody.model.shapes import DENSEST, LIGHTEST
 
 _OUTSIDE = 5.0

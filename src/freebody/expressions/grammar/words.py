@@ -75,7 +75,7 @@ def _letter(text: str) -> str:
 
 
 def begins(x: Lexeme) -> bool:
-    """Whether a name may begin with a lexeme."""
+    """Whether a name may begin with the given lexeme."""
     return x.text == "_" or x.command in COMMANDS or letter(x) != ""
 
 
@@ -241,12 +241,12 @@ class _Speller:
 
 
 def spell(source: Source, at: int) -> Word:
-    """The word that begins with a lexeme."""
+    """The word that begins at a lexeme of a text."""
     return _Speller(source, at).whole(0)
 
 
 def word_at(source: Source, at: int) -> Word | None:
-    """The word that begins with a lexeme; None where none begins that can be read."""
+    """The word that begins at a lexeme of a text; None if no word that can be read begins there."""
     if at not in source.words:
         source.words[at] = None
         if at < len(source.lexemes) and begins(source.lexemes[at]):

@@ -32,7 +32,8 @@ class Order:
 
     @cached_property
     def angles(self) -> tuple[str, ...]:
-        """Names with sines and cosines, by joint."""
+        """Names of the angles whose sines and cosines are generators, in the order of the
+        joints."""
         return self.symbols.ring.angles
 
     @cached_property

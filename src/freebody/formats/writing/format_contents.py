@@ -21,12 +21,11 @@ from freebody.model.inertia import Inertia, combined
 from freebody.model.mimics import Mimic
 from freebody.model.model import Model
 from freebody.model.parameters import each_parameter
-from freebody.model.placement import Placement
+from freebody.model.placement import ArrayPose, Placement, seen_from
 from freebody.model.quantity_reader import VALUES
 from freebody.model.single_joints import is_taken_apart, with_single_joints
 from freebody.model.tip import chosen
 from freebody.model.tree import Attached, Pose
-from freebody.spatial import space
 
 STANDARD_GRAVITY = 9.81
 """m/s² along -z, which readers of formats without gravity take."""
@@ -415,18 +414,13 @@ def _begun(sentence: str) -> str:
     return sentence[:1].lower() + sentence[1:]
 
 
-def behind(outer: Placement, whole: Placement) -> tuple[np.ndarray, np.ndarray]:
+def behind(outer: Placement, whole: Placement) -> ArrayPose:
     """The rotation and position of a frame in another one, from both placements in the same
     body."""
     steps = outer.steps
     if whole.steps[: len(steps)] == steps:  # as they were written, without rounding
-        R, p = Placement(whole.steps[len(steps) :]).lower(space, VALUES)
-        return np.array(R, dtype=float), np.array(p, dtype=float)
-    (R0, p0), (R1, p1) = (
-        (np.array(R, dtype=float), np.array(p, dtype=float))
-        for R, p in (outer.lower(space, VALUES), whole.lower(space, VALUES))
-    )
-    return R0.T @ R1, R0.T @ (p1 - p0)
+        return Placement(whole.steps[len(steps) :]).arrays()
+    return seen_from(outer.arrays(), whole.arrays())
 
 
 def _as_tuples(R: np.ndarray, p: np.ndarray) -> Pose:

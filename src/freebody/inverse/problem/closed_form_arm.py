@@ -317,13 +317,11 @@ def _wrist(screws: Sequence[Screw], x: Array) -> list[np.ndarray]:
     return [_flip(s4.w, s5, s6.w, x[..., 1])]
 
 
-def _pair(
-    s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up", "down")
-) -> list[np.ndarray]:
+def _pair(s1: Screw, s2: Screw, c: Array, x: Array) -> list[np.ndarray]:
     """Branch names of two joints at x (..., 2) that bring the point c to another one."""
     if s1.turning and s2.turning:
         if parallel(s1.w, s2.w):
-            return [_elbow(s1, s2, c, x, words=words)]
+            return [_elbow(s1, s2, c, x)]
         return [_shoulder(s1, s2, s2.moved(x[..., 1], c))]
     if s1.turning != s2.turning and perpendicular(s1.w, s2.w):
         return [_forward(s1, s2, c, x)]

@@ -36,6 +36,8 @@ EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""
 _UNBOUNDED = 1e30
 """Stands for no limit inside a kernel, whose numbers are finite."""
+_REST = 1e-14
+"""Steps that are too small to count."""
 _TOGETHER = 4
 """Steps after which those that have ended are put aside."""
 
@@ -240,12 +242,11 @@ def descend(
     *,
     goal: float = 0.0,
     iterations: int = 60,
-    rest: float = 1e-14,
 ) -> tuple[Array, Array]:
     """(x, |e|) after a least-squares descent of the residual e from each start x (N, n).
 
-    A problem stops where |e| ≤ goal or where its steps fall below `rest`. Each has a damping of its
-    own, a third of the last after a step that helped, three times after one that did not.
+    A problem stops where |e| ≤ goal or where its steps are too small to count. Each has a damping
+    of its own, a fifth of the last after a step that helped, four times after one that did not.
     """
     x = x.copy()
     everyone = np.arange(len(x))
@@ -267,7 +268,7 @@ def descend(
         cost[kept] = cost_trial[better]
         damping[kept] = np.maximum(damping[kept] * 0.2, 1e-14)
         damping[active[~better]] *= 4.0
-        moving = np.abs(step).max(axis=-1) > rest
+        moving = np.abs(step).max(axis=-1) > _REST
         active = active[moving & (cost[active] > goal) & (damping[active] < 1e12)]
     return x, cost
 
@@ -363,7 +364,6 @@ def descend_by_kernel(
     numbers: Array | None = None,
     goal: float = 0.0,
     iterations: int = 60,
-    rest: float = 1e-14,
 ) -> tuple[Array, Array]:
     """(q, remaining error) of descents by a kernel from starts q (N, nq) to targets (N, …), as
     `descend` does.
@@ -384,5 +384,5 @@ def descend_by_kernel(
         for _ in range(min(_TOGETHER, iterations - start)):
             x, held, cost, longest = bound.kernel(x, held, goals, *fixed, *own)
         q[active], damping[active], left[active] = x, held, cost
-        active = active[(cost > goal) & (longest > rest) & (held < 1e12)]
+        active = active[(cost > goal) & (longest > _REST) & (held < 1e12)]
     return q, left

@@ -4,7 +4,7 @@ solutions.
 A loop is cut at its pin. Seen from a joint in it, everything on the way to one end of the cut
 turns, or slides, against everything on the way to the other; what lies between two unknown joints
 is rigid, whatever its links. So two unknown pins and the cut make a triangle with known sides: R R
-R. Vectors are complex numbers, arrays (N, K) of samples and solutions. A further kind is a file
+R. Vectors are complex numbers, arrays (N, K) of samples and solutions. A further kind is a class
 here and a line in a table.
 """
 
@@ -17,14 +17,11 @@ from freebody.loops.dyads.chain import (
     coordinates,
     is_turning,
 )
-from freebody.loops.dyads.heading import heading
-from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo
-from freebody.loops.dyads.stretch import STRETCH
-from freebody.loops.dyads.swing import SWING
+from freebody.loops.dyads.rods import STRETCH, SWING
+from freebody.loops.dyads.slides import SLIDE_AND_TURN, TURN_AND_SLIDE, TWO_SLIDES
+from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo, heading
 from freebody.loops.dyads.triangle import TRIANGLE
-from freebody.loops.dyads.turn_and_slide import SLIDE_AND_TURN, TURN_AND_SLIDE
 from freebody.loops.dyads.two_circles import two_circles
-from freebody.loops.dyads.two_slides import TWO_SLIDES
 
 __all__ = [
     "OF_ONE",

@@ -1,4 +1,5 @@
-"""A construction step: unknown joints of chains, found from the known ones."""
+"""A construction step: unknown joints of chains, found from the known ones; and the step that turns
+a frame to the wanted direction, and closes no chain."""
 
 from __future__ import annotations
 
@@ -88,3 +89,21 @@ OfTwo = Callable[
 ]
 """A kind of step that closes two chains at once, whose unknown joints are these; None where it is
 not made for them."""
+
+
+class Heading(ConstructionStep):
+    """A step that turns a frame to the wanted direction; its name is the frame's, and it closes no
+    chain."""
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        return self.names
+
+    def solve(self, at: Posture) -> list[Array]:
+        assert at.angle is not None
+        return [at.turned((self.crossings[0], at.angle - at.heading(self.names[0])))]
+
+
+def heading(frame: str, turn: Crossing) -> ConstructionStep:
+    """The step that turns a frame to the wanted direction by a joint."""
+    return Heading((), (turn,), (frame,))

@@ -139,7 +139,7 @@ def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_Motor
 
 
 def _is_round(x: float) -> bool:
-    """Whether one digit is all that it has."""
+    """Whether a number is positive and has a single digit that is not 0, as guesses have."""
     return isfinite(x) and x > 0.0 and float(f"{x:.0e}") == x
 
 

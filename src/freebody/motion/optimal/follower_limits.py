@@ -40,7 +40,7 @@ class FollowerLimits:
 
     @property
     def size(self) -> Array:
-        """The limits (n,)."""
+        """Limits (n,) of the torques and forces that reach the following joints."""
         return np.zeros(0) if self.following is None else self.following.limits
 
     @property

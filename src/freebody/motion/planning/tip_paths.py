@@ -61,8 +61,8 @@ class _Leg:
     turn: Array
 
     def moved(self, pose: Array, way: Array) -> Array:
-        """The pose (..., dim + 1, dim + 1) moved along this leg's direction by path lengths `way`
-        (N,)."""
+        """The pose (dim + 1, dim + 1), or poses (N, ...), moved along this leg's direction by path
+        lengths `way` (N,)."""
         d = len(self.shift)
         found = np.broadcast_to(pose, (len(way), d + 1, d + 1)).copy()
         found[:, :d, d] += way[:, None] * self.shift
@@ -172,10 +172,6 @@ def _corner(before: _Leg, behind: _Leg, radius: float) -> Callable[[Array], Arra
     def poses(way: Array) -> Array:
         x = way / (2.0 * radius)
         left = 2.0 * radius * (x**3 - 0.5 * x**4)  # slope 3 x² - 2 x³
-        d = len(before.shift)
-        found = before.moved(behind.start, way - radius - left)
-        found[:, :d, d] += left[:, None] * behind.shift
-        found[:, :d, :d] = found[:, :d, :d] @ rotations(left[:, None] * behind.turn)
-        return found
+        return behind.moved(before.moved(behind.start, way - radius - left), left)
 
     return poses

@@ -24,7 +24,7 @@ from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
 from freebody.motion.simulation.step_kernels import STATE, law_inputs
 from freebody.program import Program
 from freebody.targets import Kernel, compile_program
-from freebody.trees.public_calls import JointVector, vector
+from freebody.trees.public_calls import JointVector, common_shape, vector
 from freebody.trees.special_joints import refuse_passive
 
 _EVERY = 0.05  # s
@@ -184,7 +184,8 @@ def simulation_of(
     contacts = others["contacts"]
     if contacts is not None:
         batches["restitution"] = contacts.restitution.shape[:-1]
-    loads, lanes = {frame: w for frame, (_, w) in wrenches.items()}, MotionLanes(_shape(batches))
+    loads = {frame: w for frame, (_, w) in wrenches.items()}
+    lanes = MotionLanes(common_shape("simulate", batches))
     return Simulation(model, q, qd, t, torque, forces, loads, lanes, **others)
 
 
@@ -209,17 +210,6 @@ def _warn_of_shared_table(name: str, table: Array) -> None:
         f"same for all motions; {one} for each is {(times, 1, nv)}, a table "
         f"{(1, *table.shape)} says the same as this without a warning.",
     )
-
-
-def _shape(batches: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
-    """The common batch shape of all arguments, from their shapes by name."""
-    try:
-        return np.broadcast_shapes(*batches.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {batch}" for name, batch in batches.items())
-        raise FreebodyError(
-            f"simulate: the batch shapes do not broadcast together: {shapes}."
-        ) from None
 
 
 def drive_of(

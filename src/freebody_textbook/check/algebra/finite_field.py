@@ -152,9 +152,10 @@ def is_square(ring: TrigRing, node: Expression) -> bool:
     return len({pow(x, (PRIME - 1) // 2, PRIME) for x in values if x}) == 1
 
 
-def rational(value: int, largest: int = 1000) -> Fraction | None:
-    """The fraction with small numerator and denominator that has a given residue; None if there is
-    none."""
+def rational(value: int) -> Fraction | None:
+    """The fraction with numerator and denominator of at most 1000 that has a given residue; None if
+    there is none."""
+    largest = 1000
     a, b, u, v = PRIME, value % PRIME, 0, 1
     while b > largest:
         q = a // b

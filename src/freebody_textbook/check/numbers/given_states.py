@@ -200,7 +200,8 @@ class StateReader:
         return [GivenValue(x.written * unit[0].factor, x.written, unit[0]) for x in values], unit[1]
 
     def _value(self, source: Source, at: int) -> tuple[GivenValue, int] | None:
-        """A number with its unit, and the lexeme after it."""
+        """The number at a lexeme with its unit, and the index of the lexeme after them; None if
+        there is no number."""
         value = _VALUE.at(source.lexemes, at)
         number = self._number(source, value.span) if value else None
         if value is None or number is None:

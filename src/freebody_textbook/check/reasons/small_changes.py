@@ -239,7 +239,7 @@ def _functions(node: Function) -> Iterator[Repair]:
 
 
 def _is_chain(angle: Angle) -> bool:
-    """Whether the angles belong to consecutive joints."""
+    """Whether the angles of a sum belong to consecutive joints."""
     numbers = [int(atom(x).figures or 0) for x, _ in angle]
     return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 

@@ -3,7 +3,7 @@ one assembly of a closed chain, or up to a constant."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -80,26 +80,22 @@ class Agreement:
     def is_in_one_assembly(self) -> bool:
         """Whether the two sides are equal on the home position's branch; if no state is on it, on
         some branch for every parameter set."""
-        states, home = self.states, self.states.is_home
+        home = self.states.is_home
         if home.any():
             return bool(self.right[home].all())
-        return all(
-            any(self.right[(states.parameters == k) & (states.branch == b)].all() for b in branches)
-            for k, branches in self._branches
-        )
+        return all(self._is_right_on_one(k, branches) for k, branches in self._branches)
 
     @property
     def is_in_another_assembly(self) -> bool:
         """Whether the two sides are equal, for every parameter set, on some branch other than the
         home position's."""
+        return all(self._is_right_on_one(k, filter(None, x)) for k, x in self._branches)
+
+    def _is_right_on_one(self, k: int, branches: Iterable[int]) -> bool:
+        """Whether the two sides are equal on some of the branches at parameter set k."""
         states = self.states
-        return all(
-            any(
-                self.right[(states.parameters == k) & (states.branch == b)].all()
-                for b in branches
-                if b
-            )
-            for k, branches in self._branches
+        return any(
+            self.right[(states.parameters == k) & (states.branch == b)].all() for b in branches
         )
 
     @property

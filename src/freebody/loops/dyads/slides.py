@@ -1,5 +1,5 @@
-"""The step for a chain with an unknown pin and an unknown slide, R P or P R: a right-angled
-triangle."""
+"""Steps for a chain with unknown slides: a pin and a slide, R P or P R, which make a right-angled
+triangle, and two slides, P P, with one solution."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Complex, Crossing, Posture
-from freebody.loops.dyads.plane_vectors import across, along, coincident, root
+from freebody.loops.dyads.plane_vectors import across, along, coincident, root, shifted
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne
 
 
@@ -64,3 +64,15 @@ TURN_AND_SLIDE = OfOne("RP", False, _turn_first)
 SLIDE_AND_TURN = OfOne(
     "PR", False, lambda chain, free, name_of: _turn_first(chain, free[::-1], name_of)
 )
+
+
+class TwoSlides(ConstructionStep):
+    """A step that closes a chain by two slides; its only solution needs no name."""
+
+    def solve(self, at: Posture) -> list[Array]:
+        first, second = self.crossings
+        start, end = (at.point(frame) for frame in self.chain.ends)
+        return [shifted(at, first, second, start - end)]
+
+
+TWO_SLIDES = OfOne("PP", False, lambda chain, free, _: TwoSlides((chain,), tuple(free)))
