@@ -3,8 +3,12 @@
 import atexit
 import gc
 import os
+import re
 import shutil
 import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 from weakref import WeakValueDictionary
 
 import pytest
@@ -62,6 +66,28 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     if missing:
         pytest.skip(f"needs {' and '.join(missing)} on the path")
     extra("selenium", "Selenium")
+
+
+@pytest.fixture(scope="session")
+def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """The file with the page of a bundled robot's derivation, by the robot's name, a method and
+    other options of `fb.derive`; whichever process of the run needs it first builds it. Not for
+    tests with `numpy_kernels`, whose pages may differ in a last digit."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "derivations"
+    folder.mkdir(exist_ok=True)
+
+    def page_of(name: str, method: str | None = None, **options: Any) -> Path:
+        words = re.sub(r"[^\w.-]+", "_", f"{name} {method} {options}")
+        page = folder / f"{words}.html"
+        if not page.exists():
+            made = own / page.name
+            text = fb.derive(fb.load(name), method, **options).html()
+            made.write_text(text, encoding="utf-8")
+            made.replace(page)
+        return page
+
+    return page_of
 
 
 @pytest.fixture

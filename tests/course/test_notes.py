@@ -44,7 +44,7 @@ def test_verdict_is_the_audited_one(name: str):
     assert all(found.lines)
 
 
-@pytest.mark.sample(28)
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("name", WRONG)
 def test_the_corrected_form_flips_the_verdict(name: str):
     found = finding(name)
@@ -56,7 +56,7 @@ def test_the_corrected_form_flips_the_verdict(name: str):
     assert x.why
 
 
-@pytest.mark.sample(42)
+@pytest.mark.sample(20)
 @pytest.mark.parametrize("name", [name for name in VERDICTS if name not in WORDS_ONLY])
 def test_no_check_that_cannot_fail(name: str):
     """Some small change of the right form that can still be read and compared makes it fail."""

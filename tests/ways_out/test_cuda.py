@@ -445,7 +445,7 @@ def test_kernels_run_on_an_emulated_driver():
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-2000:]
     ran = re.search(r"(\d+) passed", done.stdout)
     assert ran
-    assert int(ran[1]) > 50
+    assert int(ran[1]) > 40
 
 
 # ---------------------------------------------------------------- text and package

@@ -95,6 +95,7 @@ def kernels(arm):
     return pair(arm, "inverse_dynamics")
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(
     ("robot", "quantity"),
     [

@@ -43,6 +43,7 @@ class PageProgram:
         self._graph, self._form = Graph(), form
         self.inputs = {name: self._graph.input(name) for name in names}
         self._places: dict[int, int] = {}
+        self._operands: dict[Any, Any] = {}  # of polynomials and formulas: most are asked for often
         self._rules: Rules = {
             **arithmetic(lambda number: number.numerator / number.denominator),
             Symbol: lambda node, at: self.inputs[node.name],
@@ -57,7 +58,10 @@ class PageProgram:
     def _scalar(self, x: Any) -> Any:
         if isinstance(x, Expr | Real):
             return x
-        return evaluate(x if isinstance(x, Expression) else self._form(x), self._rules)
+        if x not in self._operands:
+            formula = x if isinstance(x, Expression) else self._form(x)
+            self._operands[x] = evaluate(formula, self._rules)
+        return self._operands[x]
 
     @property
     def size(self) -> int:

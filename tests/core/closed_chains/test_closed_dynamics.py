@@ -105,6 +105,7 @@ def _weighed(model: Model, tau: np.ndarray) -> np.ndarray:
     return rate_scale(model) * tau
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "3RRR", "stewart"])
 def test_too_few_drives(name):
     model, q, qd = closed(name)

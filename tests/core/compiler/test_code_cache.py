@@ -184,8 +184,21 @@ def test_the_oldest_entries_make_room(store, monkeypatch):
     assert sorted(p.name[0] for p in store.iterdir()) == ["0", "3", "4"]
 
 
+def test_a_full_folder_is_not_looked_through_for_each_entry(store, monkeypatch):
+    """It stays within a 32nd part of its size, and within as many looks."""
+    looks, real = [], os.listdir
+    monkeypatch.setattr(cache.os, "listdir", lambda place: looks.append(1) or real(place))
+    monkeypatch.setattr(cache, "LIMIT", 64_000)
+    for k in range(400):
+        cache.store(f"{k:064x}", bytes(200))
+        held = sum(entry.stat().st_size for entry in os.scandir(store))
+        assert held <= 64_000 * 33 / 32
+    assert held > 60_000
+    assert len(looks) <= 1 + 400 * 300 / (64_000 / 32)
+
+
 def test_what_a_killed_process_left_is_removed(store):
-    cache.store("a" * 64, b"code")
+    store.mkdir(mode=0o700)
     old, new = store / f".{'b' * 64}.1.00", store / f".{'c' * 64}.2.00"
     for path in (old, new):
         path.write_bytes(b"half")

@@ -84,6 +84,7 @@ def test_an_overflow_is_refused_by_every_call_alike():
     assert said == {"bias: qd reaches 1e+260; the result overflows. Check its units."}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["2R", "quadrotor", pytest.param("ur5e", marks=pytest.mark.long)])
 def test_a_batch_has_the_bits_of_its_samples(name):
     model = fb.load(name)

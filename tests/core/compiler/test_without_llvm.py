@@ -49,8 +49,8 @@ def test_every_public_function_and_command_works(tmp_path: Path):
 @pytest.mark.parametrize(
     "robot",
     [
-        "scara",
-        *(pytest.param(name, marks=pytest.mark.long) for name in fb.models() if name != "scara"),
+        "2R",
+        *(pytest.param(name, marks=pytest.mark.long) for name in fb.models() if name != "2R"),
     ],
 )
 def test_a_study_with_its_page(robot: str, tmp_path: Path):

@@ -67,6 +67,7 @@ def _moment(at: np.ndarray, force: np.ndarray) -> np.ndarray:
     return (at[..., 0] * force[1] - at[..., 1] * force[0])[..., None]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur5e", "gantry_crane", "bricard"])
 def test_a_flange_bears_what_it_carries(name: str):
     """The robot with a payload less the robot without it, and the wrench at the tip: at a frame

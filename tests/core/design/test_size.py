@@ -13,8 +13,6 @@ import pytest
 
 import freebody as fb
 
-pytestmark = pytest.mark.usefixtures("numpy_kernels")
-
 LIFE = 6000.0
 Drives = dict[str, tuple[fb.Motor, fb.Gear]]
 Candidate = tuple[float, fb.Motor, fb.Gear]

@@ -36,7 +36,7 @@ def written(name: str) -> tuple[Written, ...]:
     return tuple(found)
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("name", ROBOTS_OF_TESTS)
 def test_one_robot_is_recognised_in_other_words_and_formats(name, suffix, tmp_path):
@@ -126,6 +126,7 @@ def test_a_dh_table_with_masses_is_recognised(tmp_path):
     assert found, str(found)
 
 
+@pytest.mark.sample(16)
 @pytest.mark.parametrize("name", sorted(fb.models()))
 def test_each_bundled_robot_is_itself(name):
     if fb.load(name, physical="ignore").missing:
@@ -203,7 +204,7 @@ def test_many_differences_are_planted():
     assert len(PLANTED) * PLACES >= 40
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", range(len(PLANTED)))
 def test_planted_differences_are_found_at_their_place(number):
     planted = PLANTED[number]

@@ -120,6 +120,7 @@ def test_exact_poses_are_predicted_exactly(rotations):
         assert np.abs(there - true).max() < 1e-9
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "turning", "sliding"), [("ur5e", 6, 0), ("panda", 7, 0), ("stanford", 5, 1)]
 )

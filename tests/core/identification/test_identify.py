@@ -257,6 +257,7 @@ WRONG = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", WRONG)
 def test_torques_that_no_robot_gives_are_told_and_not_trusted(name):
     change, said = WRONG[name]

@@ -52,6 +52,7 @@ def holding(found, model):
     return np.mean([x.lower <= y <= x.upper for x, y in zip(of_bodies(found), true, strict=True)])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize(
     ("model", "change", "joint", "said", "size"),
@@ -87,6 +88,7 @@ def test_a_plane_robot_with_a_wrong_length_is_told():
     assert wrong.size == pytest.approx(-0.1, abs=0.02)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("seconds", "seed"), [(0.05, 0), (0.05, 1), (-0.02, 2)])
 def test_torques_that_are_late_are_put_in_time(seconds, seed):
     model, used, unseen = logs(seed, late(seconds))

@@ -77,7 +77,7 @@ def condition(M: np.ndarray) -> float:
 
 
 # ---------------------------------------------------------------- forward, inverse, mass matrix
-@pytest.mark.sample(15)
+@pytest.mark.sample(7)
 @every_tree
 def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -95,7 +95,7 @@ def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
     close(numbers(model, "inverse_dynamics", q, qd, qdd, wrenches=loads), tau, 0.0)
 
 
-@pytest.mark.sample(31)
+@pytest.mark.sample(14)
 @every_tree
 def test_mass_matrix(seed: int, dim: int):
     model = generate.model(seed, dim)

@@ -122,7 +122,7 @@ def dynamics_of(name: str) -> dict[str, tuple[float, float]]:
     }
 
 
-@pytest.mark.sample(35)
+@pytest.mark.sample(10)
 @every_robot
 def test_friction_is_counted(name: str, base: str):
     model, theirs = pair(name, base)
@@ -219,7 +219,7 @@ def test_mass_and_momentum_on_a_free_base(name: str):
     relative(fb.momentum(model, q, qd, com), np.array(h), "momentum about it")
 
 
-@pytest.mark.sample(29)
+@pytest.mark.sample(12)
 @pytest.mark.parametrize("name", LOADED)
 def test_coriolis_matrix_on_a_fixed_base(name: str):
     model, theirs = pair(name, "fixed")

@@ -8,8 +8,6 @@ import pytest
 
 import freebody as fb
 
-pytestmark = pytest.mark.usefixtures("numpy_kernels")
-
 ROTOR = {"rotor": 1e-3, "gear": 30.0, "viscous": 0.3, "coulomb": 0.4}
 LIMITS = [fb.Limits(-2.0, 2.0, 3.0, 60.0), fb.Limits(-2.5, 2.5, 4.0, 40.0)]
 

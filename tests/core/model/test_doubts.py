@@ -212,6 +212,7 @@ def test_the_file_says_what_the_results_say(tmp_path: Path):
     assert light.doubts[0].clause[1:] in (tmp_path / "c" / "manifest.json").read_text()
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("kind", DOUBT_KINDS)
 def test_what_bars_the_verdict_and_the_exit_status_stand_in_the_table(kind: str):
     study, record = studied(kind), DOUBT_KINDS[kind]

@@ -6,8 +6,6 @@ import pytest
 import freebody as fb
 from support.command import run
 
-pytestmark = pytest.mark.usefixtures("numpy_kernels")
-
 
 def arm(second=1.0):
     return fb.planar("RR", l=[1.0, second], m=[2.0, 1.0], I=[0.1, 0.05], lc=[0.5, second / 2])

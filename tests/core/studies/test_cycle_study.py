@@ -13,8 +13,6 @@ import xarray as xr
 import freebody as fb
 from freebody import FreebodyError
 
-pytestmark = pytest.mark.usefixtures("numpy_kernels")
-
 G, LENGTH, MASS = 9.81, 0.5, 2.0
 
 

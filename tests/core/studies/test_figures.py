@@ -535,21 +535,21 @@ def test_a_centre_without_value_is_drawn_halfway_along_a_link_with_one():
     assert with_values(fb.planar("RR")).parameters["lc1"] == 0.45
 
 
-def test_a_body_that_no_joint_holds_has_no_joint_axes_in_its_caption():
-    page = fb.derive(fb.load("quadrotor")).html()
+def test_a_body_that_no_joint_holds_has_no_joint_axes_in_its_caption(page_of):
+    page = page_of("quadrotor").read_text(encoding="utf-8")
     assert "Joint axes" not in page
     assert "axes are those of the world" in page
-    assert "Joint axes" in fb.derive(fb.load("elbow_arm"), "kinematics").html()
+    assert "Joint axes" in page_of("elbow_arm", "kinematics").read_text(encoding="utf-8")
 
 
-def test_pages_of_derivations_show_values_on_wish():
+def test_pages_of_derivations_show_values_on_wish(page_of):
     named, both = (fb.derive(fb.load("2R")).html(how) for how in ("names", "both"))
     assert "1.00 m" in both
     assert "1.00 m" not in named
     assert "Values in these drawings: q = (0.600, 0.750)" in both, "the state is said"
     loaded = fb.derive(fb.load("2R"), "statics").html("both")
     assert re.search(r"f = \(\d[\d.]*, −[\d.]+\) N at the tip", loaded), "and the load"
-    assert named == fb.derive(fb.load("2R")).html()
+    assert named == page_of("2R").read_text(encoding="utf-8")
     with pytest.raises(
         MissingValueError, match="a derivation's drawings with labels='values' of 'RR'"
     ):

@@ -30,6 +30,7 @@ def of_class(element, css):
     return [e for e in element.iter() if e.get("class") == css]
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_every_figure_stands_alone(study, name, tmp_path):
     figure = study.figure(name)

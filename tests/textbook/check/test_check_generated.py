@@ -32,7 +32,7 @@ from support.answers import (
 )
 
 WORDS = ("R", "RR", "RP", "PR", "PP", "RRR", "RPR", "PRR")
-SHORT, LONG = 25, 500
+SHORT, LONG = 15, 500
 HOSTILE_SHORT, HOSTILE_LONG = 20, 300
 
 
@@ -155,7 +155,7 @@ def test_a_sign_changed_in_a_line_of_a_derivation_is_found(method: str):
         assert {x.where for x in verdict.equations if not x.equal} == {f"line {1 + 2 * k}"}
 
 
-FEW_EQUATIONS, MANY_EQUATIONS = 40, 1000
+FEW_EQUATIONS, MANY_EQUATIONS = 20, 1000
 
 
 def are_equal(count: int) -> None:

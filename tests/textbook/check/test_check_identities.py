@@ -10,7 +10,7 @@ import freebody as fb
 NOTHING = "It claims nothing of the robot."
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("robot", ["2R", "four_bar", "panda"])
 @pytest.mark.parametrize(
     "line",

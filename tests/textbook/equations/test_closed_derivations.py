@@ -323,8 +323,7 @@ def test_of_legs_that_are_alike_the_lines_of_one_are_told():
 def test_a_platform_on_six_legs_is_derived_as_far_as_print_allows():
     """With yaw, pitch and roll in the place of the quaternion; from rest, where rates do not count,
     legs and multipliers are those of the kernels."""
-    model = fb.load("stewart")
-    derivation = fb.derive(model)
+    model, derivation = fb.load("stewart"), derived("stewart")
     system = derivation.system
     assert isinstance(system, FirstKind)
     loops, last = system.loops, derivation.steps[-1]

@@ -396,9 +396,9 @@ def test_every_form_holds_every_step(method):
     assert not re.search("https?:", html.replace("http://www.w3.org/1998/Math/MathML", ""))
 
 
-def test_for_a_phone_an_equation_with_a_long_left_side_is_turned_round():
+def test_for_a_phone_an_equation_with_a_long_left_side_is_turned_round(page_of):
     """Only right sides are broken: n₀₁ − n₁₂ − … = I₁ ω̇₁ + … does not fit the other way."""
-    page = derived("elbow_arm", "newton-euler").html()
+    page = page_of("elbow_arm", "newton-euler").read_text(encoding="utf-8")
     kinds = ('<div class="equations short', '<div class="equations">')
     own = [page[page.index(kind) :].partition("</div>")[0] for kind in kinds]
     lefts = [" ".join(re.findall(r"<mtr><mtd>(.*?)</mtd>", table)) for table in own]
@@ -539,8 +539,9 @@ def test_long_lists_are_several_tables():
     assert all(step._repr_html_().count("<math ") == 1 for step in short)
 
 
-def test_no_comma_begins_a_line_of_the_table():
-    table = re.findall(r"<table.*?</table>", fb.derive(fb.load("3R")).html(), re.DOTALL)[0]
+def test_no_comma_begins_a_line_of_the_table(page_of):
+    page = page_of("3R").read_text(encoding="utf-8")
+    table = re.findall(r"<table.*?</table>", page, re.DOTALL)[0]
     assert ",</span> " in table
     assert "</math>, " not in table
 

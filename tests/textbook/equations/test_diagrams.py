@@ -108,6 +108,7 @@ def test_odd_poses_are_legible(arm, q):
         assert_legible(drawing, figure.width, figure.tallest)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["puma560", "scara", "gyro", "quadrotor"])
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 def test_robots_in_space_draw(name):

@@ -218,7 +218,7 @@ def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) 
 GRAVITY, INVERSE = ex.Symbol("g", "g", bold=True), ex.power("J", -1)
 
 
-@pytest.mark.sample(24)
+@pytest.mark.sample(8)
 @pytest.mark.parametrize(("name", "method"), CASES)
 def test_arrows_have_the_values_and_signs_of_the_equations(name: str, method: str):
     derivation = derived(name, method)
@@ -313,6 +313,7 @@ def test_free_bodies_balance_as_they_are_printed(name: str, method: str):
                 )
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize(
     ("name", "method"), [case for case in CASES if case[1] in ("newton-euler", "statics")]
 )

@@ -71,11 +71,9 @@ def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method, robots):
         assert not [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
 
 
-def test_the_font_of_formulas_comes_with_the_page(driver, tmp_path: Path):
+def test_the_font_of_formulas_comes_with_the_page(driver, page_of):
     """Under the page's own policy."""
-    page = tmp_path / "derivation.html"
-    page.write_text(fb.derive(fb.load("2R")).html())
-    driver.get(page.as_uri())
+    driver.get(page_of("2R").as_uri())
     state = "return [...document.fonts].map(font => [font.family, font.status])"
     assert driver.execute_script(state) == [["Freebody Formulas", "loaded"]]
 
@@ -85,9 +83,9 @@ def test_a_letter_that_the_font_lacks_is_found(letter):
     assert lacking(f"<math><mi>α</mi><mo>{letter}</mo></math>") == {letter}
 
 
-def test_a_wide_left_side_leaves_the_others_their_room():
+def test_a_wide_left_side_leaves_the_others_their_room(page_of):
     """The equations with every ∂Φ_k/∂θ λ_k on the left had broken the next into one term a line."""
-    text = fb.derive(fb.load("double_four_bar")).html()
+    text = page_of("double_four_bar").read_text(encoding="utf-8")
     step = re.search(r"The equation of θ₃.*?</section>", text, re.DOTALL)
     assert step
     shown = step[0].partition('<div class="equations">')[2]
@@ -95,9 +93,9 @@ def test_a_wide_left_side_leaves_the_others_their_room():
     assert [table.count("<mtr>") for table in tables] == [1, 3]
 
 
-def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselves():
+def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselves(page_of):
     """The style that every row repeated was a tenth of a page of many equations."""
-    text = fb.derive(fb.load("2R")).html()
+    text = page_of("2R").read_text(encoding="utf-8")
     assert text.count("text-align:-webkit-right") == 1
     assert ".aligned>mtr>mtd:first-child{" in text
     assert 'class="aligned"' in text
@@ -108,11 +106,10 @@ def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselv
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("four_bar", None)])
-def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, tmp_path: Path, name, method):
+def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, page_of, name, method):
     """On a phone lines are shorter, and what a finger touches is no smaller than it; on A4, with
     the page's margins, no equation is cut off."""
-    page = tmp_path / "derivation.html"
-    page.write_text(fb.derive(fb.load(name), method).html())
+    page = page_of(name, method)
     sizes = """const all = [...document.querySelectorAll(".equations")];
     const rows = [...document.querySelectorAll(".equations .aligned > mtr")];
     return [document.documentElement.scrollWidth - innerWidth,

@@ -7,6 +7,7 @@ import functools
 import random
 import shutil
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from itertools import islice
 
 import pytest
@@ -72,24 +73,25 @@ def boxes(driver, model: fb.Model) -> dict[tuple[str, ...], int]:
     return found
 
 
-def lines_of(robot: str, rng: random.Random, drawn: int) -> list[Line]:
-    """Right lines, and those with a mistake: on one line, without options."""
-    right = of_robot(robot, drawn, rng)
-    wrong = list(mutants(right, drawn, rng.randrange(99))) if any(x.source for x in right) else []
-    found = [x for x in (*right, *wrong) if isinstance(x.text, str) and not x.options]
-    found = [x for x in found if "\n" not in x.text.strip()]
-    rng.shuffle(found)
-    return found
-
-
 def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, str]]:
-    """Lines that a box of the page asks for; every fifth is spoilt."""
+    """Lines that a box of the page asks for, right and with a mistake, on one line and without
+    options; every fifth is spoilt."""
     rng, at = random.Random(f"{robot} 28"), boxes(driver, model)
-    asked = ((at.get(checked(model, x.text)[1]), x.text) for x in lines_of(robot, rng, 5 * count))
-    found = islice(((k, text) for k, text in asked if k is not None), count)
+
+    def asked(lines: Iterable[Line]) -> Iterator[Line]:
+        typable = (x for x in lines if isinstance(x.text, str) and not x.options)
+        on_one_line = (x for x in typable if "\n" not in x.text.strip())
+        return (x for x in on_one_line if checked(model, x.text)[1] in at)
+
+    drawn = of_robot(robot, 5 * count, rng)
+    rng.shuffle(drawn)
+    right = list(islice(asked(drawn), count))
+    wrong = mutants(right, 2 * count, rng.randrange(99)) if any(x.source for x in right) else ()
+    found = [*right, *islice(asked(wrong), count)]
+    rng.shuffle(found)
     return [
-        (k, rng.choice(SPOILT).format(text) if not i % 5 else text)
-        for i, (k, text) in enumerate(found)
+        (at[checked(model, x.text)[1]], rng.choice(SPOILT).format(x.text) if not i % 5 else x.text)
+        for i, x in enumerate(found[:count])
     ]
 
 

@@ -105,6 +105,7 @@ def test_every_length_in_the_equations_is_dimensioned(name):
     assert {canonical(label(sym(x))) for x in lengths} <= drawn
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("size", [(1500, 900), (1280, 720)])
 @pytest.mark.parametrize(
     "name",

@@ -553,10 +553,10 @@ def test_other_robots_have_pages_without_a_script():
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("width", [500, 1000, 1500])
-def test_without_a_script_neither_panel_nor_values_are_shown(driver, tmp_path, width):
+def test_without_a_script_neither_panel_nor_values_are_shown(driver, page_of, tmp_path, width):
     """Nor before it is there: sliders that move nothing, and values without numbers."""
     page, size = tmp_path / "page.html", driver.get_window_size()
-    html = fb.derive(fb.load("2R"), "lagrange").html()
+    html = page_of("2R", "lagrange").read_text(encoding="utf-8")
     page.write_text(html.replace("<script", "<template").replace("</script", "</template"), "utf-8")
     driver.set_window_size(width, 900)
     driver.execute("get", {"url": page.as_uri()})

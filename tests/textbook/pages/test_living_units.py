@@ -86,16 +86,18 @@ def test_plain_numbers_for_lengths_do_not_mislead(tmp_path):
     assert {unit for name, unit in units.items() if "∂L" in name} == {""}
 
 
-def test_partial_velocities_are_in_axes_of_their_body_and_scalars_in_none():
+def test_partial_velocities_are_in_axes_of_their_body_and_scalars_in_none(page_of):
     """v_c2,1 is of body 2, by the rate of joint 1."""
-    page = fb.derive(fb.load("furuta"), "kane").html()
+    page = page_of("furuta", "kane").read_text(encoding="utf-8")
     rows = re.findall(r'<p class="value".*?</p>', page)
     (partial,) = [row for row in rows if 'data-name="vc2_1"' in row]
     assert "(in axes of body 2)" in partial
     forces = [row for row in rows if "<mi>F</mi>" in row]
     assert len(forces) == 4
     assert not [row for row in forces if "axes" in row]
-    sliders = re.findall(r"</output>([^<]*)</span>", fb.derive(fb.load("2R"), "kinematics").html())
+    sliders = re.findall(
+        r"</output>([^<]*)</span>", page_of("2R", "kinematics").read_text(encoding="utf-8")
+    )
     assert all(sliders)
     assert sliders[-1] == " m/s²"
 

@@ -12,7 +12,7 @@ LARGEST = 600_000  # bytes
 LONG = {"3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "stewart"}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in fb.models()],

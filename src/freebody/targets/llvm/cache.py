@@ -25,6 +25,9 @@ from pathlib import Path
 
 LIMIT = 256 * 2**20
 """Bytes that the folder may hold; the entries unused for longest go first."""
+_UNSEEN = 32
+"""A process looks through the folder, which takes as long as it has entries, at its first and then
+after each 32nd part of LIMIT that it has stored."""
 
 _MAGIC = b"freebody object\n"
 _HEAD = len(_MAGIC) + hashlib.sha256().digest_size
@@ -33,6 +36,9 @@ _STALE = 3600.0  # seconds after which a temporary file is what a killed process
 _POSIX = hasattr(os, "geteuid")
 
 log = logging.getLogger(__name__)
+
+_stored: dict[Path | None, int] = {}
+"""Bytes that this process has stored in a folder since it looked through it."""
 
 
 def folder() -> Path | None:
@@ -74,16 +80,17 @@ def load(key: str) -> bytes | None:
 
 def store(key: str, code: bytes) -> None:
     """Store an object under `key`, if there is a place for it."""
+    entry = _entry(key, code)
     try:
         with _folder(create=True) as place:
             temporary = f".{key}.{os.getpid()}.{secrets.token_hex(4)}"
             try:
-                _write(place, temporary, _entry(key, code))
+                _write(place, temporary, entry)
                 _rename(place, temporary, key + _SUFFIX)
             except OSError:
                 _remove(place, temporary)
                 raise
-            _evict(place)
+            _evict_in_time(place, len(entry))
     except OSError as problem:
         log.info("%s not stored: %s", key, problem)
 
@@ -168,6 +175,15 @@ def _remove(place: int | str, name: str) -> None:
     path, descriptor = _at(place, name)
     with contextlib.suppress(OSError):
         os.unlink(path, dir_fd=descriptor)
+
+
+def _evict_in_time(place: int | str, size: int) -> None:
+    """Look after the folder's size, where so much was stored that it is worth the time."""
+    where = folder()
+    _stored[where] = _stored.get(where, LIMIT) + size
+    if _stored[where] > LIMIT / _UNSEEN:
+        _stored[where] = 0
+        _evict(place)
 
 
 def _evict(place: int | str) -> None:
