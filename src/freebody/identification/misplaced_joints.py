@@ -38,10 +38,10 @@ def misplaced_joint(
     model: with bodies near the identified ones. scale: of its torques over the equations'.
     """
     bare = model.without("friction", "rotors", "springs")
-    looked_at, residuals = middles(found, first)
+    looked_at, residuals, own = middles(found, first, base)
     torques = _changes(bare, looked_at) / scale
     columns = [torques[rows.places, j] for j, rows in enumerate(looked_at.rows)]
-    told = standing_out(looked_at, residuals, base, columns)
+    told = standing_out(looked_at, residuals, own, columns)
     if told is None:
         return None
     displacements = list(_displacements(bare))
