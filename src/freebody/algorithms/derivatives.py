@@ -63,7 +63,7 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
         return derivatives_by_dual_scalars(tree, q, qd, qdd)
     space = tree.space
     world = world_tree(tree, q, qd)
-    psi_rate, forces = _accelerations(tree, world, q, qd, qdd)
+    _, psi_rate, forces = accelerations(tree, world, q, qd, qdd)
     n = tree.nv
     by_q, by_qd, by_qdd = ([[0.0] * n for _ in range(n)] for _ in range(3))
 
@@ -203,11 +203,11 @@ def _twice(force: Force) -> Force:
     return scale(2.0, force[0]), scale(2.0, force[1])
 
 
-def _accelerations(
+def accelerations(
     tree: Tree, world: WorldTree, q: Vector, qd: Vector, qdd: Vector
-) -> tuple[list[tuple[Column, ...]], list[Force]]:
-    """Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity as base
-    acceleration."""
+) -> tuple[list[Column], list[tuple[Column, ...]], list[Force]]:
+    """The acceleration and Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity
+    as base acceleration."""
     space = tree.space
     a: list[Column] = []
     psi_rate: list[tuple[Column, ...]] = []
@@ -224,7 +224,8 @@ def _accelerations(
             )
         )
         own = plus_motion(
-            weighted(world.S[i], body.rates(q, qdd)), weighted(world.psi[i], body.rates(q, qd))
+            weighted(world.S[i], body.coordinates.second_rates(q, qd, qdd)),
+            weighted(world.psi[i], body.rates(q, qd)),
         )
         a.append(plus_motion(a_parent, own))
         momentum = momentum_of(space, world.own[i], world.v[i])
@@ -234,4 +235,4 @@ def _accelerations(
         parent = tree.bodies[i].parent
         if parent >= 0:
             forces[parent] = plus_motion(forces[parent], forces[i])
-    return psi_rate, forces
+    return a, psi_rate, forces

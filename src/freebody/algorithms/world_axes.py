@@ -41,10 +41,11 @@ Force = tuple[Vector, Vector]
 
 @dataclass
 class WorldTree:
-    """Per body: motion columns and their rates, velocity, inertia, and sums over the body and all
-    that hangs on it."""
+    """Per body: pose, motion columns and their rates, velocity, inertia, and sums over the body and
+    all that hangs on it."""
 
     gravity: Vector
+    poses: list[Pose]
     S: list[tuple[Column, ...]] = field(default_factory=list)
     S_rate: list[tuple[Column, ...]] = field(default_factory=list)
     """Ṡ = v × S with the body's own velocity."""
@@ -63,7 +64,7 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     """Columns and velocities outward, inertias and Coriolis matrices inward."""
     space = tree.space
     poses, turn = observed(tree, joint_poses(tree, q))
-    world = WorldTree(gravity=times(turn, tree.gravity))
+    world = WorldTree(times(turn, tree.gravity), poses)
     world.S = columns_at_origin(tree, poses)
     for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
         joint = weighted(columns, body.rates(q, qd))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from freebody.arrays import Array
-from freebody.identification.any_friction import BaseEstimate, splines
+from freebody.identification.any_friction import BaseEstimate
 from freebody.identification.first_gains import inverse_products
 from freebody.identification.log_equations import LogEquations
 from freebody.identification.regression import Regressed
@@ -109,19 +109,17 @@ def _informed(
     b = found.columns.base
     information, moments = np.zeros((len(cuts), 2, b, b)), np.zeros((len(cuts), 2, b))
     flags = np.array([[cut.first, ~cut.first] for cut in cuts], dtype=float)
-    for j, (rows, spline) in enumerate(zip(found.rows, splines(found), strict=True)):
+    for j, (rows, spline) in enumerate(zip(found.rows, base.splines, strict=True)):
         laws = (rows.unknowns >= b) & (rows.unknowns < found.size)
         at, k = rows.unknowns[rows.unknowns < b], int((rows.unknowns < b).sum())
         parts = (rows.x[:, rows.unknowns < b], rows.x[:, laws], spline, first.residuals[j][:, None])
         products = _products(np.concatenate(parts, axis=1), first.weights[j], pieces[rows.places])
         present = np.unique(pieces[rows.places])
-        sums = np.tensordot(flags[:, :, present], products, axes=1)
-        for c in np.ndindex(len(cuts), 2):
-            x = sums[c]
-            inverse = inverse_products(x[k:-1, k:-1])
-            own = x[:k] - x[:k, k:-1] @ inverse @ x[k:-1]
-            information[c][np.ix_(at, at)] += own[:, :k] / base.noise[j]
-            moments[c][at] += own[:, -1] / base.noise[j]
+        x = np.tensordot(flags[:, :, present], products, axes=1)
+        of_friction = inverse_products(x[..., k:-1, k:-1]) @ x[..., k:-1, :]
+        own = (x[..., :k, :] - x[..., :k, k:-1] @ of_friction) / base.noise[j]
+        information[..., at[:, None], at] += own[..., :k]
+        moments[..., at] += own[..., -1]
     return information, moments
 
 

@@ -36,13 +36,15 @@ _TOLD = 1e-6
 class BaseEstimate(NamedTuple):
     """Base parameters (b,), their covariance, which of them the logs do not tell, and of each joint
     the probability that noise alone makes its friction differ from the laws as much as it does.
-    noise: (n,) variance of an independent sample of each joint."""
+    noise: (n,) variance of an independent sample of each joint. splines: the columns of each joint's
+    rows that make its friction any function."""
 
     values: Array
     covariance: Array
     untold: NDArray[np.bool_]
     accident: Array
     noise: Array
+    splines: list[Array]
 
 
 class _FrictionlessRows(NamedTuple):
@@ -76,9 +78,10 @@ def with_any_friction(found: LogEquations, first: Regressed) -> BaseEstimate:
     is odd but for its slope, besides what the laws make of it; from the regression with the laws
     alone."""
     b, n = found.columns.base, len(found.rows)
+    splines = _splines(found)
     joints = [
         _without_friction(found, *each)
-        for each in zip(found.rows, splines(found), first.weights, first.residuals, strict=True)
+        for each in zip(found.rows, splines, first.weights, first.residuals, strict=True)
     ]
     size = b + n * found.currents
     fitted = size + sum(len(x.own) for x in joints)
@@ -95,7 +98,7 @@ def with_any_friction(found: LogEquations, first: Regressed) -> BaseEstimate:
         for x, variance in zip(joints, noise, strict=True)
     ]
     values = first.values[:b] + change[:b]
-    return BaseEstimate(values, covariance[:b, :b], untold[:b], np.array(accident), noise)
+    return BaseEstimate(values, covariance[:b, :b], untold[:b], np.array(accident), noise, splines)
 
 
 def spline_knots(rates: Sequence[Array]) -> Array:
@@ -110,7 +113,7 @@ def spline_columns(qd: Array, sign: Array, knots: Array) -> list[Array]:
     return [size, sign, *(sign * np.minimum(size, k) for k in knots)]
 
 
-def splines(found: LogEquations) -> list[Array]:
+def _splines(found: LogEquations) -> list[Array]:
     """The filtered columns of the spline of friction, for each joint's rows."""
     n, knots = len(found.rows), spline_knots([rows.rate for rows in found.rows])
     parts = [_spline(found, p, knots) for p in found.prepared]

@@ -29,9 +29,9 @@ def delay_of(found: LogEquations, first: Regressed, base: BaseEstimate) -> Delay
     """The time by which torques come later than positions, or None where that is no more than
     noise, or no base parameter feels it. It can be corrected unless it is longer than any clock's
     or filter's."""
-    looked_at, residuals = middles(found, first)
+    looked_at, residuals, own = middles(found, first, base)
     columns = [-_slopes(looked_at, first, j)[:, None] for j in range(len(found.rows))]
-    told = standing_out(looked_at, residuals, base, columns)
+    told = standing_out(looked_at, residuals, own, columns)
     return None if told is None else Delay(told.value, told.half, abs(told.value) <= _LONGEST)
 
 

@@ -56,9 +56,12 @@ def first_gains(rows: Sequence[JointEquations], held: Array) -> Array:
 
 
 def inverse_products(products: Array) -> Array:
-    """The inverse of products of columns with each other, without combinations that are 0."""
-    size = np.sqrt(np.maximum(np.diag(products), 0.0))
-    size[size == 0.0] = 1.0
-    scale = np.outer(size, size)
-    inverse = np.linalg.pinv(products / scale, rcond=_SAME, hermitian=True)
-    return np.asarray(inverse / scale)
+    """The inverses of products (..., c, c) of columns with each other, without combinations that
+    are 0."""
+    size = np.sqrt(np.maximum(np.diagonal(products, axis1=-2, axis2=-1), 0.0))
+    size = np.where(size == 0.0, 1.0, size)
+    scale = size[..., :, None] * size[..., None, :]
+    values, vectors = np.linalg.eigh(products / scale)
+    told = np.abs(values) > _SAME * np.abs(values).max(axis=-1, initial=0.0)[..., None]
+    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=told)
+    return np.asarray((vectors * inverse[..., None, :]) @ np.swapaxes(vectors, -1, -2) / scale)

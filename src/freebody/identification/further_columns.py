@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from freebody.arrays import Array
-from freebody.identification.any_friction import BaseEstimate, splines
+from freebody.identification.any_friction import BaseEstimate
 from freebody.identification.first_gains import inverse_products
 from freebody.identification.log_equations import JointEquations, LogEquations
 from freebody.identification.regression import Regressed, noise_of
@@ -75,7 +75,7 @@ def standing_out(
     joints = [
         _products(found, spline, x, residual, weights, j)
         for j, (spline, x, residual, weights) in enumerate(
-            zip(splines(found), columns, first.residuals, first.weights, strict=True)
+            zip(base.splines, columns, first.residuals, first.weights, strict=True)
         )
     ]
     unknowns = b + sum(x.local.shape[1] for x in joints)
@@ -107,8 +107,11 @@ def standing_out(
     return Further(best, value, QUANTILE * float(np.sqrt(variance)), others, moved)
 
 
-def middles(found: LogEquations, first: Regressed) -> tuple[LogEquations, Regressed]:
-    """The equations of the middles of the logs, and what is left of them."""
+def middles(
+    found: LogEquations, first: Regressed, base: BaseEstimate
+) -> tuple[LogEquations, Regressed, BaseEstimate]:
+    """The equations of the middles of the logs, what is left of them, and the base parameters of
+    the whole with friction's columns there."""
     most = max(int(_LOOKED_AT / found.spacing / len(found.prepared)), 1)
     parts, taken = [], []
     for p in found.prepared:
@@ -120,12 +123,15 @@ def middles(found: LogEquations, first: Regressed) -> tuple[LogEquations, Regres
     place = np.cumsum(kept) - 1
     used = [kept[rows.places] for rows in found.rows]
     rows = tuple(_some(x, own, place) for x, own in zip(found.rows, used, strict=True))
-    residuals, weights = (
+    residuals, weights, splines = (
         [x[own] for x, own in zip(each, used, strict=True)]
-        for each in (first.residuals, first.weights)
+        for each in (first.residuals, first.weights, base.splines)
     )
-    short = replace(found, prepared=tuple(parts), rows=rows)
-    return short, first._replace(residuals=residuals, weights=weights)
+    return (
+        replace(found, prepared=tuple(parts), rows=rows),
+        first._replace(residuals=residuals, weights=weights),
+        base._replace(splines=splines),
+    )
 
 
 def _some(rows: JointEquations, own: NDArray[np.bool_], place: NDArray[np.intp]) -> JointEquations:

@@ -162,7 +162,7 @@ def identify(
     own = np.ones(model.nv) if gains is None else gains
     joints = _joint_fits(found, first, fit, gains, checked, base.accident)
     made = robot(model, columns, fit, mass_doubts(held, told))
-    misplaced = misplaced_joint(made, found, first, base, fit.scale.factor, cutoff)
+    misplaced = misplaced_joint(made, found, first, base, fit.scale.factor)
     structure = JudgedStructure(delay, misplaced, disagreement(found, first, base))
     parameters = stated_parameters(model, columns, first, base, fit, joints, structure)
     outcome = outcome_of(joints)
