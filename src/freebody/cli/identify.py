@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 EXAMPLE = "Example: freebody identify scara simulated --validate simulated --out identified"
 
 
-@options.reading(*options.FILE)
+@options.collected(
+    wrench="logs are of the robot by itself; a load of known mass is --loaded with --load.",
+    speed="the logs tell how fast the robot moved.",
+)
 def identify(
     context: typer.Context,
     robot: options.GivenRobot,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 from freebody.errors import FileError, FreebodyError
 
 EXAMPLE = "Example: freebody check 2R 'H22 = m2*lc2^2 + I2' 'G2 = m2*g*lc2*cos(theta1+theta2)'"
@@ -17,7 +17,10 @@ _LARGEST = 80_000
 """Bytes of standard input; far more than an answer may have characters."""
 
 
-@options.reading("tip", "convention")
+@options.collected(
+    wrench="an answer names its own forces, such as fx and fy at the tip.",
+    speed="equations hold for motions of any speed.",
+)
 def check(
     robot: options.GivenRobot,
     answer: Annotated[
@@ -44,7 +47,6 @@ def check(
         ),
     ] = False,
     notation: options.NotationOption = None,
-    parameters: options.ParametersOption = None,
     form: Annotated[
         str | None,
         typer.Option(
@@ -82,8 +84,8 @@ def check(
     from freebody_textbook.check.spelling.answer_text import AnswerError
 
     own = _answer(answer)
-    meanings = options.pairs("--name", names, "L1=l1")
-    model = robot.load()
+    meanings = numbers.pairs("--name", names, "L1=l1")
+    model, parameters = robot.in_symbols()
     try:
         with terminal.progress("comparing"):
             verdict = verdict_on(
@@ -95,7 +97,7 @@ def check(
                 notation=notation,
                 at=", ".join(at) if at else None,
                 tolerance=tolerance,
-                parameters=options.pairs("--parameter", parameters, "lc=l/2"),
+                parameters=parameters,
             )
     except FileError as error:
         if error.path != str(own):
