@@ -10,6 +10,7 @@ import typer
 
 from freebody.cli import numbers, options, terminal
 from freebody.errors import FileError, FreebodyError
+from freebody.outputs.files import write
 
 EXAMPLE = "Example: freebody check 2R 'H22 = m2*lc2^2 + I2' 'G2 = m2*g*lc2*cos(theta1+theta2)'"
 
@@ -65,6 +66,14 @@ def check(
             "theta1_d = 2 rad/s'; the answer may contain it instead.",
         ),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html",
+            help="The verdict as a page: the answer with its marks, the reasons, and folded away "
+            "what would be right.",
+        ),
+    ] = None,
     tolerance: Annotated[
         float | None,
         typer.Option(
@@ -83,6 +92,8 @@ def check(
     from freebody_textbook.check.check import check as verdict_on
     from freebody_textbook.check.spelling.answer_text import AnswerError
 
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise FreebodyError(f"--out is {out.name!r}, expected an .html file.")
     own = _answer(answer)
     meanings = numbers.pairs("--name", names, "L1=l1")
     model, parameters = robot.in_symbols()
@@ -110,6 +121,8 @@ def check(
             terminal.err().print(problem.context, highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     terminal.out().print(verdict.text, soft_wrap=True)
+    if out is not None:
+        terminal.out().print(f"written: {write(out, verdict.html())}", soft_wrap=True)
     if not verdict:
         raise typer.Exit(2 if all(equation.equal for equation in verdict.equations) else 1)
 

@@ -56,6 +56,7 @@ from freebody_textbook.check.verdicts.verdict_sentences import (
     example,
     example_at,
     quoted,
+    right_equation,
     right_verdict,
     wrong_verdict,
 )
@@ -119,7 +120,12 @@ class Judge:
                 if reading.target is not None and _is_zero(claim.target):
                     meant = other
         wrong = self._as_read(meant, True) if explain else found
-        return replace(wrong, causes=(*wrong.causes, *unread_condition(claim)))
+        meant = replace(meant, target=self._in_its_sense(meant))
+        return replace(
+            wrong,
+            causes=(*wrong.causes, *unread_condition(claim)),
+            right=right_equation(self.setting, meant),
+        )
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of an expression in an alternative reading."""
