@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
+from operator import itemgetter
 from typing import Annotated, Any, Literal, get_type_hints
 
 import typer
@@ -68,40 +69,19 @@ def collected(**said: str | None) -> Callable[[Callable[..., Any]], Callable[...
 
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         own = signature(command, eval_str=True)
-        robots = {n: _ROBOTS[p.annotation] for n, p in own.parameters.items() if _is_robot(p)}
-        records: dict[str, Any] = {
-            name: p.annotation
-            for name, p in own.parameters.items()
-            if name not in robots and is_dataclass(p.annotation)
-        }
-        shared = _shared(command, robots, said, own)
-        refused = {name: reason for name, reason in said.items() if reason is not None}
+        shared = _shared(command, own, said)
+        parts = {name: _part(parameter, shared) for name, parameter in own.parameters.items()}
 
         @wraps(command)
         def run(**given: Any) -> Any:
-            for name, reason in refused.items():
-                if given.pop(name):
+            for name, reason in said.items():
+                if reason is not None and given[name]:
                     raise FreebodyError(f"--{name}: {reason}")
-            how = {name: given.pop(name) for name in shared if name not in refused}
-            for name, (_, kind) in robots.items():
-                texts = given[name]
-                given[name] = (
-                    kind(texts, how) if isinstance(texts, str) else [kind(x, how) for x in texts]
-                )
-            for name, record in records.items():
-                own_fields = [field.name for field in fields(record)]
-                given[name] = record(**{field: given.pop(field) for field in own_fields})
-            return command(**given)
+            return command(**{name: part.made(given) for name, part in parts.items()})
 
-        taken: list[Parameter] = []
-        for name, p in own.parameters.items():
-            if name in records:
-                taken += _of_record(p.annotation)
-            else:
-                kind = robots[name][0] if name in robots else p.annotation
-                taken.append(_parameter(name, kind, p.default))
+        taken = [parameter for part in parts.values() for parameter in part.options]
         for name, option in shared.items():
-            kind = _HIDDEN if name in refused else option.annotation
+            kind = _HIDDEN if said.get(name) else option.annotation
             taken.append(_parameter(name, kind, option.default))
         vars(run)["__signature__"] = own.replace(parameters=taken)
         return run
@@ -112,18 +92,44 @@ def collected(**said: str | None) -> Callable[[Callable[..., Any]], Callable[...
 _HIDDEN = Annotated[list[str] | None, typer.Option(hidden=True)]
 
 
-def _is_robot(parameter: Parameter) -> bool:
-    return any(parameter.annotation == kind for kind in _ROBOTS)
+@dataclass(frozen=True)
+class _Part:
+    """A parameter of a command's function: its own options, and how its value is made of what is
+    given for all."""
+
+    options: tuple[Parameter, ...]
+    made: Callable[[dict[str, Any]], Any]
+
+
+def _part(parameter: Parameter, shared: Iterable[str]) -> _Part:
+    name, kind = parameter.name, parameter.annotation
+    if robot := _robot(kind):
+        argument, record = robot
+
+        def robots(given: dict[str, Any]) -> Any:
+            texts, how = given[name], {x: given[x] for x in shared}
+            return record(texts, how) if isinstance(texts, str) else [record(x, how) for x in texts]
+
+        return _Part((_parameter(name, argument, parameter.default),), robots)
+    if is_dataclass(kind):
+        options = tuple(_of_record(kind))
+        make: Any = kind
+        return _Part(options, lambda given: make(**{x.name: given[x.name] for x in options}))
+    return _Part((_parameter(name, kind, parameter.default),), itemgetter(name))
+
+
+def _robot(kind: Any) -> tuple[Any, type[GivenFile]] | None:
+    """The argument and the record of a parameter that is a robot or several; else None."""
+    return next((found for known, found in _ROBOTS.items() if known == kind), None)
 
 
 def _shared(
-    command: Callable[..., Any], robots: dict[str, Any], said: dict[str, Any], own: Signature
+    command: Callable[..., Any], own: Signature, said: dict[str, str | None]
 ) -> dict[str, RobotOption]:
     """The options that a command's robots bring."""
-    if not robots:
-        return {}
-    if not any(kind is GivenRobot for _, kind in robots.values()):
-        return {name: option for name, option in ROBOT_OPTIONS.items() if option.of_text}
+    records = {found[1] for x in own.parameters.values() if (found := _robot(x.annotation))}
+    if GivenRobot not in records:
+        return {name: x for name, x in ROBOT_OPTIONS.items() if x.of_text} if records else {}
     if set(said) != set(USE_OPTIONS) - set(own.parameters):
         raise TypeError(f"{command.__name__} uses or refuses each of {', '.join(USE_OPTIONS)}")
     return {**ROBOT_OPTIONS, **{name: USE_OPTIONS[name] for name in said}}
