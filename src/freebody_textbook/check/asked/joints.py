@@ -152,8 +152,8 @@ class JointQuantities(QuantityGroup):
         return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
 
     def _christoffel(self) -> Iterator[NamedTarget]:
-        """Christoffel symbols with their names: Spong's c_ijk with C_kj = Σ_i c_ijk q̇_i, and Γ_ijk of
-        Murray, Li and Sastry with C_ij = Σ_k Γ_ijk q̇_k; Γ_kji = c_ijk."""
+        """Christoffel symbols with their names: Spong's c_ijk, C_kj = Σ_i c_ijk q̇_i, and Γ_ijk of
+        Murray, Li and Sastry, C_ij = Σ_k Γ_ijk q̇_k; Γ_kji = c_ijk."""
         for i, j, k in itertools.product(self.numbers, repeat=3):
             target = AskedQuantity(
                 kinds.CHRISTOFFEL, (k, j, i), lambda x=(k, j, i): _christoffel(self.setting, *x)
