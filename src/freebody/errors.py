@@ -139,6 +139,15 @@ class KindError(FreebodyError, TypeError):
         )
 
 
+def require_kind(
+    function: str, argument: str, given: object, kinds: type | tuple[type, ...], expected: str
+) -> None:
+    """Raise KindError for an argument that is none of some kinds; a class is an instance of
+    none."""
+    if not isinstance(given, kinds):
+        raise KindError(function, argument, given, expected)
+
+
 class NotFiniteError(FreebodyError, ValueError):
     """NaN or infinity where a number is needed."""
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from os import PathLike
 from typing import Any
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, require_kind
 from freebody.expressions.nodes import Equation, Words, nodes
 from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
@@ -144,6 +144,7 @@ def _is_shown_by_length(line: Equation) -> bool:
 
 def method_named(name: str) -> Method:
     """The derivation method with a name or alias."""
+    require_kind("derive", "method", name, str, "the name of a method")
     for method in METHODS.values():
         if name == method.name or name in method.aliases:
             return method

@@ -317,7 +317,7 @@ def test_show_tells_the_root_link_and_a_screws_pitch(tmp_path, capsys):
 
 
 def test_a_wrong_option_leads_to_its_commands_help(capsys):
-    assert run(["derive", "2R", "--base", "free"]) == 2
+    assert run(["derive", "2R", "--basis", "free"]) == 2
     assert capsys.readouterr().err.rstrip().endswith("See freebody derive --help.")
 
 

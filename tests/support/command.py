@@ -8,6 +8,7 @@ import re
 import runpy
 import sys
 from collections.abc import Sequence
+from functools import cache
 
 import pytest
 
@@ -32,6 +33,7 @@ def told(arguments: Sequence[str]) -> tuple[int, str]:
     return status, said.getvalue()
 
 
+@cache
 def commands() -> dict[str, str]:
     """The help of every command, by its name."""
     _, whole = told(["--help"])

@@ -287,11 +287,12 @@ def largest_payload(
         each = [_in_segment(x, kilogram, name, limits, parts) for x in segments]
         mass, over, time = (np.stack(x) for x in zip(*each, strict=True))
     elif motions is None:
-        if motion is None or isinstance(motion, str):
+        positions = isinstance(motion, Mapping | Sequence) or hasattr(motion, "__array__")
+        if isinstance(motion, str) or not positions:
             raise KindError(
                 function, "motion", motion, "a Motion, a DutyCycle, or positions q (..., nq)"
             )
-        q = finite_vector(function, model, "q", motion)
+        q = finite_vector(f"{function}: motion", model, "q", motion)
         rest = np.zeros((*q.shape[:-1], model.nv))
         mass, over = reached_masses(case, (q, rest, rest))
         time = np.full(mass.shape, np.nan)

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 EXAMPLE = "Example: freebody calibrate ur5e simulated --out calibrated"
 
 
-@options.reading(*options.FILE)
+@options.collected(
+    wrench="measured poses tell the geometry, in which no force has a part.",
+    speed="poses are measured at rest; there is no motion.",
+)
 def calibrate(
     context: typer.Context,
     robot: options.GivenRobot,

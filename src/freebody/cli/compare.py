@@ -94,7 +94,7 @@ def _reader() -> Any:
     return typer.main.get_command(reader)
 
 
-@options.reading(*options.WHOLE_CASE)
+@options.collected(wrench=options.USED, speed=options.USED)
 def _case(
     robot: options.GivenRobot,
     motion: motions.GivenMotion = None,

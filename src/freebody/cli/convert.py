@@ -12,8 +12,7 @@ from freebody.cli import options, terminal
 EXAMPLE = "Example: freebody convert ur5e ur5e.urdf"
 
 
-@options.reading(
-    *options.CASE,
+@options.collected(
     wrench="a robot's file holds no wrenches.",
     speed="a robot's file holds no motion.",
 )

@@ -12,7 +12,10 @@ from freebody.cli import numbers, options, terminal
 EXAMPLE = "Example: freebody diff ur5e ur5e"
 
 
-@options.reading(*options.FILE)
+@options.collected(
+    wrench="two robots are compared, and nothing pulls at them.",
+    speed="two robots are compared; there is no motion.",
+)
 def diff(
     robot: options.GivenRobot,
     other: options.GivenRobot,

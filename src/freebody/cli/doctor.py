@@ -20,9 +20,9 @@ EXAMPLE = "Example: freebody doctor ur5e panda"
 _STYLES = {"error": "bold red", "warning": "yellow", "notice": "dim"}
 
 
-@options.reading("convention", "package_path", "xacro", "xacro_environment")
+@options.collected()
 def doctor(
-    robots: list[options.GivenRobot],
+    robots: list[options.GivenFile],
     fix: Annotated[
         bool,
         typer.Option(

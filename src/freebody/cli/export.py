@@ -70,8 +70,7 @@ RowsOption = Annotated[
 ]
 
 
-@options.reading(
-    *("tip", "base", "convention", "parameters", "lock", *options.MODEL_CASE),
+@options.collected(
     speed="the exported function is given rates and accelerations; there is no motion.",
 )
 def export(

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
 
-@options.reading(
-    *("tip", "base", "convention", "parameters", *options.MODEL_CASE, "wrench"),
+@options.collected(
+    wrench=options.USED,
     speed="a free-body diagram is of one instant; give --qd and --qdd.",
 )
 def fbd(

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from freebody.cli import options
+from freebody.cli import numbers
 from freebody.errors import FreebodyError
 
 GivenCatalogue = Annotated[
@@ -49,10 +49,10 @@ def read(
             "--bearing JOINT=BEARING."
         )
     parts, held = catalogue_of(catalogue), {}
-    for joint, names in options.pairs("--brake", brakes, "joint1=M200,W25-100").items():
+    for joint, names in numbers.pairs("--brake", brakes, "joint1=M200,W25-100").items():
         motor, _, gear = (x.strip() for x in names.partition(","))
         held[joint] = parts.motor(motor), parts.gear(gear)
-    fitted = options.pairs("--bearing", bearings, "joint1=B70").items()
+    fitted = numbers.pairs("--bearing", bearings, "joint1=B70").items()
     return {
         "brakes": held or None,
         "bearings": {joint: parts.bearing(name) for joint, name in fitted},

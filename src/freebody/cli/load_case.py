@@ -1,16 +1,12 @@
-"""The load case on the command line: what the robot carries, what pulls at it, how gravity acts,
-and how fast a motion is run. One table for all commands: each uses an option, or refuses it with
-its reason."""
+"""What the texts of the load case mean: what the robot carries, what pulls at it, how gravity acts,
+and how fast a motion is run."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from freebody.cli.numbers import by_commas, values
 from freebody.errors import FreebodyError, shown
@@ -19,15 +15,6 @@ from freebody.outputs.display import counted
 if TYPE_CHECKING:
     from freebody.arrays import Array
     from freebody.model.model import Model
-
-
-@dataclass(frozen=True)
-class CaseOption:
-    """An option of the load case: what it is on the command line, and the model that follows from
-    its text, where it changes the model."""
-
-    annotation: Any
-    changed: Callable[[Model, Any], Model] | None = None
 
 
 _PAYLOAD = re.compile(
@@ -63,7 +50,7 @@ def payload_arguments(text: str) -> dict[str, Any]:
     return {**told, match["shape"]: sizes} if sizes is not None else told
 
 
-def _loaded(model: Model, texts: list[str]) -> Model:
+def loaded(model: Model, texts: list[str]) -> Model:
     """The model with all loads that --payload tells."""
     for k, text in enumerate(texts, 1):
         name = "payload" if k == 1 else f"payload{k}"
@@ -71,7 +58,7 @@ def _loaded(model: Model, texts: list[str]) -> Model:
     return model
 
 
-def _with_gravity(model: Model, text: str) -> Model:
+def with_gravity(model: Model, text: str) -> Model:
     """The model in the field that --gravity tells."""
     vector, axes = by_commas(text), ("x", "y", "z")[: model.dim]
     if vector is None or len(vector) != model.dim:
@@ -83,7 +70,7 @@ def _with_gravity(model: Model, text: str) -> Model:
     return model.replace(gravity=vector)
 
 
-def _mounted(model: Model, text: str) -> Model:
+def mounted(model: Model, text: str) -> Model:
     """The model with its base turned: gravity in the base's axes, which are the world's."""
     import numpy as np
 
@@ -119,81 +106,6 @@ def _orientation(text: str, dim: int) -> Array:
             f"{'roll,pitch,yaw' if dim == 3 else 'one angle'} of the base (rad, or 30 deg)."
         )
     return rotation("ZYX", given[::-1]) if dim == 3 else rotation("Z", given)[:2, :2]
-
-
-LOAD_CASE: dict[str, CaseOption] = {
-    "payload": CaseOption(
-        Annotated[
-            list[str] | None,
-            typer.Option(
-                metavar="MASS[@x,y,z][,box=a,b,c|cylinder=r,h|inertia=xx,yy,zz,xy,xz,yz]",
-                help="A load at the tip, in its axes, kg and m: where its centre of mass is "
-                "(default: at the origin), and its shape: the sides of a box, radius and height "
-                "along z of a cylinder, or its inertia about its centre of mass (kg m²). Without a "
-                "shape it is a point. May be repeated: all are carried.",
-            ),
-        ],
-        _loaded,
-    ),
-    "gravity": CaseOption(
-        Annotated[
-            str | None,
-            typer.Option(
-                metavar="x,y,z",
-                help="The field of gravity, m/s², world axes. Default: the robot's own.",
-            ),
-        ],
-        _with_gravity,
-    ),
-    "mounting": CaseOption(
-        Annotated[
-            str | None,
-            typer.Option(
-                metavar="floor|wall|ceiling|roll,pitch,yaw",
-                help="How the base is turned against the floor: at a wall by 90° about its y, at a "
-                "ceiling by 180° about its x, or by angles as in URDF (rad, or 30 deg; in the "
-                "plane one). World axes are then those of the turned base.",
-            ),
-        ],
-        _mounted,
-    ),
-    "wrench": CaseOption(
-        Annotated[
-            list[str] | None,
-            typer.Option(
-                metavar="FRAME:fx,fy,fz,mx,my,mz",
-                help="A constant wrench exerted on the robot by its surroundings, at the origin of "
-                "FRAME, N and N m, world axes (in the plane fx,fy,m); may be repeated.",
-            ),
-        ]
-    ),
-    "speed": CaseOption(
-        Annotated[
-            str | None,
-            typer.Option(
-                metavar="FACTOR",
-                help="The motion is run so many times as fast along its path.",
-            ),
-        ]
-    ),
-}
-"""The options of the load case by name, in the order in which they change a model."""
-
-MODEL_CASE = tuple(name for name, option in LOAD_CASE.items() if option.changed is not None)
-"""Options of a load case that are numbers of the model."""
-
-
-def changed(model: Model, how: dict[str, Any]) -> Model:
-    """The model in the load case that the options `how` tell."""
-    if how.get("gravity") is not None and how.get("mounting") is not None:
-        raise FreebodyError(
-            "--gravity and --mounting both say how gravity acts on the base; give one of them."
-        )
-    for name in MODEL_CASE:
-        text, change = how.get(name), LOAD_CASE[name].changed
-        if text is not None and change is not None:  # an empty text is refused there
-            model = change(model, text)
-    return model
 
 
 def wrenches(model: Model, texts: list[str] | None) -> dict[str, list[float]] | None:

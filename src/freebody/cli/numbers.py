@@ -1,4 +1,4 @@
-"""Numbers in the texts of options and arguments."""
+"""Numbers, and pairs of a name and a meaning, in the texts of options and arguments."""
 
 from __future__ import annotations
 
@@ -51,3 +51,17 @@ def by_commas(text: str) -> list[float] | None:
     found = [read_file.number(piece.strip()) for piece in text.split(",")]
     usable = [x for x in found if x is not None and not read_file.fault(x)]
     return usable if len(usable) == len(found) else None
+
+
+def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=") -> dict[str, str]:
+    """Names and values from options of the form name=value."""
+    found = {}
+    for text in texts or ():
+        name, sign, meaning = text.partition(equals)
+        if not (name.strip() and sign and meaning.strip()):
+            raise FreebodyError(
+                f"{option} {text}: write a name, {equals}, and what it stands for, such as "
+                f"{example}."
+            )
+        found[name.strip()] = meaning.strip()
+    return found

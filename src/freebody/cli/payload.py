@@ -13,7 +13,7 @@ from freebody.errors import FreebodyError
 EXAMPLE = 'Example: freebody payload ur5e --q "0, -90 deg, 90 deg, 0, 0, 0" --out loads.svg'
 
 
-@options.reading(*options.WHOLE_CASE)
+@options.collected(wrench=options.USED, speed=options.USED)
 def payload(
     context: typer.Context,
     robot: options.GivenRobot,

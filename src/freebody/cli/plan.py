@@ -33,7 +33,7 @@ def _limit(what: str) -> Any:
     return typer.Option(metavar="VALUE", parser=numbers.number, help=what)
 
 
-@options.reading(*options.CASE, "wrench")
+@options.collected(wrench=options.USED)
 def plan(
     context: typer.Context,
     robot: options.GivenRobot,

@@ -23,9 +23,7 @@ _DEEPEST = 24
 """Levels that the tree indents by; what is deeper says what it is on."""
 
 
-@options.reading(
-    *options.CASE,
-    "estimate_inertia",
+@options.collected(
     wrench="show tells what the robot is made of, and computes no forces.",
     speed="show tells what the robot is made of; there is no motion.",
 )

@@ -24,9 +24,8 @@ _ROWS = 400
 _MOST = 1_000_000
 
 
-@options.reading(
-    *options.CASE,
-    "wrench",
+@options.collected(
+    wrench=options.USED,
     speed="the torques make the motion; there is none to run faster or slower.",
 )
 def simulate(

@@ -18,7 +18,10 @@ EXAMPLE = "Example: freebody size scara --catalogue invented --margin 1.2"
 _MOST = 12
 
 
-@options.reading(*options.CASE)
+@options.collected(
+    wrench="what pulls at the robot belongs to a segment of a duty cycle; give it there.",
+    speed="a duty cycle is taken as it is; write a faster motion with fb.Motion.faster.",
+)
 def size(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -115,7 +118,7 @@ def size(
 
 
 def _mounts(given: list[str] | None) -> dict[str, str | None]:
-    pairs = options.pairs("--mount", given, "joint3=base")
+    pairs = numbers.pairs("--mount", given, "joint3=base")
     return {joint: None if frame == "ground" else frame for joint, frame in pairs.items()}
 
 

@@ -14,8 +14,7 @@ from freebody.outputs.files import stem, write
 EXAMPLE = "Example: freebody studio ur5e --no-open"
 
 
-@options.reading(
-    *options.CASE,
+@options.collected(
     wrench="the page has a load at the tip instead; --payload gives one that stays.",
     speed="the page has no motion; freebody study has.",
 )

@@ -54,7 +54,7 @@ GivenMeasured = Annotated[
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
-@options.reading(*options.WHOLE_CASE)
+@options.collected(wrench=options.USED, speed=options.USED)
 def study(
     context: typer.Context,
     robot: options.GivenRobot,

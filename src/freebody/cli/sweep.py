@@ -24,8 +24,7 @@ _SHOWN = 40
 """Rows of a result that are printed."""
 
 
-@options.reading(
-    *options.CASE,
+@options.collected(
     wrench="a sweep varies numbers of the robot; a wrench is none (fb.sweep takes functions).",
     speed="a sweep takes its motion as it is; write a faster one with study or fb.Motion.faster.",
 )

@@ -4,14 +4,14 @@ and its line."""
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from importlib import resources
 from typing import Any, TypeVar
 
 from freebody.by_value import ByValue
 from freebody.design.parts import Bearing, Gear, Motor
-from freebody.errors import FreebodyError, UnknownNameError, shown
+from freebody.errors import FreebodyError, UnknownNameError, require_kind, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -36,8 +36,9 @@ class PartCatalogue(Tabled, ByValue):
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        for parts, kind in ((self.motors, Motor), (self.gears, Gear), (self.bearings, Bearing)):
-            seen = set[str]()
+        for name, kind in (("motors", Motor), ("gears", Gear), ("bearings", Bearing)):
+            parts, seen = getattr(self, name), set[str]()
+            require_kind("PartCatalogue", name, parts, Iterable, f"a list of fb.{kind.__name__}")
             for part in parts:
                 if not isinstance(part, kind):
                     raise FreebodyError(

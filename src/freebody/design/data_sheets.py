@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, TypeGuard
 
 import numpy as np
 
+from freebody.arrays import as_floats
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, shown
 
@@ -117,7 +118,8 @@ def mean_load(load: Any, speed: Any, time: Any, exponent: float) -> float:
     Palmgren's and Miner's sum; ISO 281; of strain wave gears with p = 3 Harmonic Drive AG,
     1019659 11/2014, equation 18.2; of cycloidal ones with p = 10/3 Nabtesco, RV series.
     """
-    F, n, t = (np.abs(np.asarray(x, dtype=float)) for x in (load, speed, time))
+    given = {"load": load, "speed": speed, "time": time}
+    F, n, t = (np.abs(as_floats("mean_load", name, x)) for name, x in given.items())
     turned = float(np.sum(n * t))
     largest = float(F.max(initial=0.0))
     if turned == 0.0 or largest == 0.0:

@@ -14,7 +14,7 @@ import numpy as np
 from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
 from freebody.design.tip_places import TipPlaces
-from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, require_kind, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model.inertia import Inertia
@@ -143,7 +143,9 @@ class DutyCycle(Tabled, ByValue):
 
     def __post_init__(self) -> None:
         given: Any = self.segments
-        parts = (given,) if isinstance(given, Segment | Motion) else tuple(given)
+        alone = (given,) if isinstance(given, Segment | Motion) else given
+        require_kind("DutyCycle", "segments", alone, Iterable, "segments, fb.Segment(motion, …)")
+        parts = tuple(alone)
         parts = tuple(Segment(x) if isinstance(x, Motion) else x for x in parts)
         for part in parts:
             if not isinstance(part, Segment):
@@ -344,6 +346,10 @@ def duty_cycles(function: str, model: Model, given: Cycles) -> tuple[DutyCycle, 
     several: Any = (given,) if alone else given
     if isinstance(several, str | os.PathLike) or not isinstance(several, Iterable):
         raise KindError(function, "cycles", given, "a DutyCycle, a Motion, or a list of these")
+    several = tuple(several)
+    for k, one in enumerate(several):
+        kinds = DutyCycle, Segment, Motion
+        require_kind(function, f"cycles[{k}]", one, kinds, "a DutyCycle, a Segment or a Motion")
     found = tuple(
         one if isinstance(one, DutyCycle) else DutyCycle((one,))
         for one in (Segment(x) if isinstance(x, Motion) else x for x in several)

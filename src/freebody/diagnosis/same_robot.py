@@ -131,7 +131,7 @@ def same_robot(
     """
     if isinstance(tolerance, bool) or not 0.0 < tolerance < 1.0:
         raise FreebodyError(f"same_robot: tolerance is {tolerance}, expected one between 0 and 1.")
-    one, two = (_model(x) for x in (a, b))
+    one, two = _model("a", a), _model("b", b)
     if one.name == two.name:
         # sentences name the robot that they mean
         one, two = (
@@ -196,9 +196,9 @@ def _with_fixed_bases(one: Model, two: Model) -> tuple[RobotDifference, Model, M
     return RobotDifference("joints", place, text, np.inf), held(one), held(two)
 
 
-def _model(given: object) -> Model:
+def _model(argument: str, given: object) -> Model:
     if not isinstance(given, Model | str | os.PathLike):
-        raise KindError("same_robot", "a robot", given, "a Model or a path", "load one")
+        raise KindError("same_robot", argument, given, "a Model or a path")
     model = given if isinstance(given, Model) else load(given, physical="ignore")
     require_one("same_robot", model)
     model.require_values("same_robot: the numbers")

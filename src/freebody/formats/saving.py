@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, require_kind
 from freebody.formats.writing import dh_csv, mjcf, sdf, toml, urdf
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
@@ -53,6 +53,7 @@ def save(model: Model, path: str | os.PathLike[str], *, lossy: bool = False) -> 
     FileError
         A file that cannot be written.
     """
+    require_kind("save", "path", path, (str, os.PathLike), "the name of a file")
     target = Path(path)
     suffix = target.suffix.lower()
     if suffix not in _WRITERS:

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 from freebody.outputs.display import Tabled, TextTable
+
+
+class _HasReport(Protocol):
+    def lines(self) -> list[str]: ...
+    def _title(self) -> str: ...
+    def _table(self) -> TextTable: ...
+    def _sections(self) -> Sequence[tuple[str, TextTable]]: ...
 
 
 class Reported(Tabled):
     """A base class for results with a verdict and notices, which `_table()` has below its rows:
     `str` of one is its report, title, tables, verdict and notices."""
 
-    def __str__(self) -> str:
+    def __str__(self: _HasReport) -> str:
         return "\n".join(self.lines())
 
-    def lines(self) -> list[str]:
+    def lines(self: _HasReport) -> list[str]:
         """The result in words and tables, line by line."""
-        table: TextTable = self._table()  # type: ignore[attr-defined]
-        lines = [self._title(), ""]  # type: ignore[attr-defined]
+        table, lines = self._table(), [self._title(), ""]
         for heading, section in (("", table), *self._sections()):
             rows = [*([section.head] if section.head else []), *section.rows]
             lines += [*([heading] if heading else []), *aligned_rows(rows), ""]

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array
-from freebody.errors import ModelError
+from freebody.arrays import Array, above_zero, as_floats
+from freebody.errors import KindError, ModelError, ShapeError
 from freebody.labels import refuse_labelled
 from freebody.model.inertia import Inertia
 
@@ -46,6 +46,10 @@ def integrated_inertia(
     ModelError
         A map that covers nothing.
     """
+    if not callable(points):
+        raise KindError("integrated_inertia", "points", points, "a function of the parameters")
+    if as_floats("integrated_inertia", "bounds", bounds).shape[1:] != (2,):
+        raise KindError("integrated_inertia", "bounds", bounds, "a pair for each parameter")
     u, w = _nodes(bounds)
     r = _at(points, u).real
     tangents = np.stack(
@@ -73,13 +77,13 @@ def inertia_from(
     """
     for name, given in (("com", com), ("tensor", tensor), ("about", about)):
         refuse_labelled(f"inertia_from: {name}", given)
-    d = np.asarray(com, dtype=float) - np.asarray(about, dtype=float)
-    shift = _second(d[None], np.array([mass]))
-    body = Inertia.of(
-        mass,
-        tuple(com),
-        np.asarray(tensor, dtype=float) - shift if len(d) == 3 else float(tensor) - shift,
-    )
+    mass = above_zero("inertia_from", "mass", mass, "kg")
+    d = as_floats("inertia_from", "com", com) - as_floats("inertia_from", "about", about)
+    about_point = as_floats("inertia_from", "tensor", tensor)
+    core = (3, 3) if d.shape == (3,) else ()
+    if about_point.shape != core:
+        raise ShapeError("inertia_from", "tensor", about_point.shape, str(core))
+    body = Inertia.of(mass, tuple(com), about_point - _second(d[None], np.array([mass])))
     fault = body.fault()
     if fault is not None:
         raise ModelError(

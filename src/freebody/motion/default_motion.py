@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.arrays import Array
-from freebody.errors import FreebodyError, LoopError, listed
+from freebody.arrays import Array, above_zero, is_count
+from freebody.errors import FreebodyError, LoopError, listed, shown
 from freebody.model.model import Model
 from freebody.model.shafts import shaft_entries, untwisted
 from freebody.motion.carried_twists import SMOOTH, with_carried_twists
@@ -46,10 +46,11 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     spherical joints do likewise. The links of flexible joints move so, their shafts twisted by what
     they carry; in a closed chain shafts stay as they are.
     """
-    if duration <= 0:
-        raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
-    if samples < 8:
-        raise FreebodyError(f"default_motion: samples is {samples}, expected at least 8.")
+    duration = above_zero("default_motion", "duration", duration, "seconds")
+    if not is_count(samples, 8):
+        raise FreebodyError(
+            f"default_motion: samples is {shown(samples)}, expected a whole number, at least 8."
+        )
     if model.nv == 0:
         raise FreebodyError(f"default_motion: {model.name!r} has no movable joint.")
     t = np.linspace(0.0, duration, samples)

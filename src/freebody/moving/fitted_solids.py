@@ -214,10 +214,11 @@ class FittedSolids:
 
     def _axes(self) -> Iterator[DrawnSolid]:
         base = self._anchors.base
-        for name, end in zip("xyz", AXES * self._size * np.eye(self._pose.dim), strict=False):
+        roles: tuple[Role, ...] = ("x", "y", "z")
+        for role, end in zip(roles, AXES * self._size * np.eye(self._pose.dim), strict=False):
             ends = base.place(), base.place(end)
             radius = _AXIS * self._size
-            yield DrawnSolid(ends, radius, name, round=False, sides=8)  # type: ignore[arg-type]
+            yield DrawnSolid(ends, radius, role, round=False, sides=8)
 
 
 def rounded(x: float) -> float:

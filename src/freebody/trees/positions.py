@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, is_count, too_large
-from freebody.errors import FreebodyError, KindError, MissingValueError
+from freebody.errors import FreebodyError, KindError, MissingValueError, require_kind
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
 from freebody.model.families import FamilyError, arrays_in
@@ -203,6 +203,7 @@ def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
     axes: letters X, Y, Z, one per angle (rad). It takes components in the turned frame to those in
     the first (6.8).
     """
+    require_kind("rotation", "axes", axes, str, 'letters X, Y, Z, such as "ZXZ"')
     given = as_floats("rotation", "angles", angles)
     if not axes or set(axes.upper()) - set("XYZ") or given.shape != (len(axes),):
         raise FreebodyError(

@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from freebody import __version__
 from freebody.arrays import above_zero
-from freebody.errors import FreebodyError, KindError, warn
+from freebody.errors import FreebodyError, require_kind, warn
 from freebody.formats.writing.format_contents import kept_name
 from freebody.identifiers import identifiers
 from freebody.loops.assembly import assemble
@@ -74,8 +74,7 @@ def export_fmu(model: Model, path: str | os.PathLike[str], *, step: float = 1e-3
         Where no compiler is found: the unit then has sources only.
     """
     require_model("export_fmu", model)
-    if not isinstance(path, str | os.PathLike):
-        raise KindError("fb.export_fmu", "path", path, "the name of a file")
+    require_kind("fb.export_fmu", "path", path, (str, os.PathLike), "the name of a file")
     target = Path(path)
     if target.suffix.lower() != ".fmu":
         raise FreebodyError(f"export_fmu: {os.fspath(path)!r} must end in .fmu.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from freebody.errors import UnknownNameError
+from freebody.errors import UnknownNameError, require_kind
 from freebody.figures.figure import Figure
 from freebody_notes.figures import (
     bodies,
@@ -50,6 +50,7 @@ def notes_figure(number: str) -> Figure:
     Its elements are data: `.named("v_{c1}")` finds one in any of its drawings, `.named("f_{1,2}",
     1)` in the second.
     """
+    require_kind("notes_figure", "number", number, str, 'the number of a figure, such as "3.2"')
     key = number.removeprefix("fig-")
     if key not in FIGURES:
         raise UnknownNameError("figure", number, "the notes", FIGURES)

@@ -142,8 +142,7 @@ class _WholeAnswer:
             explain = sum(not x.equal for _, x in judged) < MOST_EXPLAINED
             with _leaving_out(document, claim.source, claim.node.span, unread):
                 verdict = judge.verdict(claim, explain)
-                place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
-                judged.append((claim, replace(verdict, where=place)))
+                judged.append((claim, self._placed(claim, verdict)))
         for span in numbers.unused(said.claims, said.told):
             source = said.claims[0].source
             with _leaving_out(document, source, span, unread):
@@ -157,8 +156,15 @@ class _WholeAnswer:
             where.symbols.model.name,
             said.unused,
             tuple(sorted(unread, key=lambda row: row.at)),
+            document.written,
         )
         return _Judged(where, verdict, [claim for claim, _ in judged])
+
+    def _placed(self, claim: Claim, verdict: EquationVerdict) -> EquationVerdict:
+        """The verdict on a claim with its place in the answer."""
+        at = claim.node.span[0]
+        where = claim.source.where(at) if self.document.tells_lines else ""
+        return replace(verdict, where=where, line=claim.source.shown.count("\n", 0, at) + 1)
 
     def needed(self, found: _Judged) -> frozenset[str]:
         """The reversed sign conventions that are needed: without them fewer equations would be

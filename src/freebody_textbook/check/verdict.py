@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from freebody.errors import listed
+from freebody.expressions.nodes import Expression
 from freebody.outputs.display import InWords, counted
 
 
@@ -52,6 +53,10 @@ class EquationVerdict:
     note: str = ""
     where: str = ""
     """The equation's line in a document, "line 12"; "" of an answer without lines."""
+    line: int = 0
+    """The line of the whole answer that it stands in, from 1."""
+    right: Expression | None = field(default=None, repr=False)
+    """What would be right, of a wrong equation; None where that is no formula of a few lines."""
 
     @property
     def text(self) -> str:
@@ -96,6 +101,8 @@ class Verdict(InWords):
     uses: what they are said to be was not checked."""
     unread: tuple[UnreadEquation, ...] = ()
     """Equations of a document that could not be read."""
+    answer: str = field(default="", repr=False)
+    """The answer as it was written."""
 
     def _title(self) -> str:
         right = sum(equation.equal for equation in self.equations)
@@ -135,3 +142,10 @@ class Verdict(InWords):
 
     def __str__(self) -> str:
         return self.text
+
+    def html(self) -> str:
+        """The verdict as a page that needs no network: the answer with a mark at each of its
+        equations, why it is wrong, and folded away what would be right."""
+        from freebody_textbook.check.verdict_page import verdict_page
+
+        return verdict_page(self)

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 from freebody.errors import FileError, FreebodyError
+from freebody.outputs.files import write
 
 EXAMPLE = "Example: freebody check 2R 'H22 = m2*lc2^2 + I2' 'G2 = m2*g*lc2*cos(theta1+theta2)'"
 
@@ -17,7 +18,10 @@ _LARGEST = 80_000
 """Bytes of standard input; far more than an answer may have characters."""
 
 
-@options.reading("tip", "convention")
+@options.collected(
+    wrench="an answer names its own forces, such as fx and fy at the tip.",
+    speed="equations hold for motions of any speed.",
+)
 def check(
     robot: options.GivenRobot,
     answer: Annotated[
@@ -44,7 +48,6 @@ def check(
         ),
     ] = False,
     notation: options.NotationOption = None,
-    parameters: options.ParametersOption = None,
     form: Annotated[
         str | None,
         typer.Option(
@@ -61,6 +64,14 @@ def check(
             metavar="STATE",
             help="The state of results that are numbers, such as 'theta1 = 30 deg, theta2 = 0, "
             "theta1_d = 2 rad/s'; the answer may contain it instead.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html",
+            help="The verdict as a page: the answer with its marks, the reasons, and folded away "
+            "what would be right.",
         ),
     ] = None,
     tolerance: Annotated[
@@ -81,9 +92,11 @@ def check(
     from freebody_textbook.check.check import check as verdict_on
     from freebody_textbook.check.spelling.answer_text import AnswerError
 
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise FreebodyError(f"--out is {out.name!r}, expected an .html file.")
     own = _answer(answer)
-    meanings = options.pairs("--name", names, "L1=l1")
-    model = robot.load()
+    meanings = numbers.pairs("--name", names, "L1=l1")
+    model, parameters = robot.in_symbols()
     try:
         with terminal.progress("comparing"):
             verdict = verdict_on(
@@ -95,7 +108,7 @@ def check(
                 notation=notation,
                 at=", ".join(at) if at else None,
                 tolerance=tolerance,
-                parameters=options.pairs("--parameter", parameters, "lc=l/2"),
+                parameters=parameters,
             )
     except FileError as error:
         if error.path != str(own):
@@ -108,6 +121,8 @@ def check(
             terminal.err().print(problem.context, highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     terminal.out().print(verdict.text, soft_wrap=True)
+    if out is not None:
+        terminal.out().print(f"written: {write(out, verdict.html())}", soft_wrap=True)
     if not verdict:
         raise typer.Exit(2 if all(equation.equal for equation in verdict.equations) else 1)
 

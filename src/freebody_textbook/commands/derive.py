@@ -79,12 +79,16 @@ def _parameter(method: Method, option: MethodOption) -> Parameter:
         help=f"{option.words[0].upper()}{option.words[1:]} ({method.name}).",
         callback=keep,
     )
+    own = f"{method.name}_{option.name}".replace("-", "_")  # apart from the names of others
     return Parameter(
-        option.name, Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, said]
+        own, Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, said]
     )
 
 
-@options.reading("tip", "convention", "mounting")
+@options.collected(
+    wrench="a force on the tip stands there in letters; --load includes it.",
+    speed="equations hold for motions of any speed.",
+)
 def derive(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -123,18 +127,7 @@ def derive(
         options.LabelsOption | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
-    # named apart from the option of methods, whose value is kept by its own name
-    gravity_field: Annotated[
-        str | None,
-        typer.Option(
-            "--gravity",
-            metavar="x,y,z",
-            help="The field of gravity, m/s², world axes. Default: the robot's own, with its "
-            "letter.",
-        ),
-    ] = None,
     notation: options.NotationOption = None,
-    parameters: options.ParametersOption = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody_textbook.derive import compare as compared
@@ -142,14 +135,12 @@ def derive(
     from freebody_textbook.derive import derive as derivation_of
     from freebody_textbook.methods.recursive import GRAVITIES
 
-    if gravity_field in GRAVITIES:
-        _read_old_spelling(context, gravity_field)
-    elif gravity_field is not None:
-        robot = replace(robot, how={**robot.how, "gravity": gravity_field})
-    model = robot.load()
+    if robot.how["gravity"] in GRAVITIES:
+        _read_old_spelling(context, robot.how["gravity"])
+        robot = replace(robot, how={**robot.how, "gravity": None})
+    model, given = robot.in_symbols()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
-        given = options.pairs("--parameter", parameters, "lc=l/2")
         how = {"load": load, "notation": notation, "parameters": given}
         first = derivation_of(model, record.name, **how, **context.meta.get(_CHOSEN, {}))
         other = derivation_of(model, compare, **how) if compare is not None else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, require_kind
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, operations
 from freebody.expressions.notations.lettering import lettered_for, lettering_of
@@ -205,6 +205,7 @@ def equations(model: Model, numbers: bool = False) -> Equations:
     Raises FreebodyError for spherical and free joints, and for joints that follow another by a
     ratio that is not whole.
     """
+    require_kind("equations", "numbers", numbers, bool, "True or False")
     model.require_tree("equations")
     if numbers:
         model.require_values("equations in numbers")

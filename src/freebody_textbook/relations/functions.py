@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
 from freebody.expressions.printed_names import sym
@@ -180,6 +180,10 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
     UnknownNameError
         A name that is not a variable.
     """
+    for argument, given in (("rows", rows), ("names", names)):
+        several = isinstance(given, Iterable) and not isinstance(given, str)
+        if not several or not all(isinstance(x, str) for x in given):
+            raise KindError("vector_function", argument, given, "a list of texts")
     parsed = [parse(row) for row in rows]
     for node in parsed:
         for part in ex.nodes(node):

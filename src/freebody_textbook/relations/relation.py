@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.errors import require_kind
 from freebody.expressions.expression import Equation
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.lexer import numbers
@@ -114,6 +115,8 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     UnknownNameError
         A name without value.
     """
+    require_kind("relation", "values", values, Mapping, "a dict of values by name")
+    require_kind("relation", "formula", formula, str, "a text")
     node = parse(formula)
     if not isinstance(node, Equation):
         raise FormulaError(f"{formula!r} has no =")

@@ -16,6 +16,7 @@ from freebody.figures import colours
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.pages import SHEETS, math_style, policy
 from freebody_textbook.render import equation_lines, styles
+from freebody_textbook.render.equation_lines import EquationGroups
 from freebody_textbook.render.prose import (
     Medium,
     cited,
@@ -335,18 +336,28 @@ def html(
     kind = ' class="living"' if living else ""
 
     def written(document: _Document) -> str:
-        return legal(
-            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{head}'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">'
-            '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{equation_lines.STYLE}"
-            f"{styles.TERMS}{styles.STEPS}{styles.SCROLLED}{styles.TOUCHED}{styles.NARROW}</style></head>\n<body>"
-            f"<main{kind}>\n"
-            f"{lean(document(derivation, figures))}\n</main>{run}</body></html>\n"
-        )
+        return page(title, document(derivation, figures), style, head, kind, run)
 
     left = LARGEST - len(written(inside).encode())
     return written(on_phones(inside, derivation.steps, left))
+
+
+def page(
+    title: str, inside: str, style: str = "", head: str = policy(), kind: str = "", run: str = ""
+) -> str:
+    """A self-contained page around HTML: what derivations and verdicts on answers look like.
+
+    head: its policy; kind: attributes of `main`; run: the element of its script.
+    """
+    return legal(
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{head}'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
+        f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{equation_lines.STYLE}"
+        f"{styles.TERMS}{styles.STEPS}{styles.SCROLLED}{styles.TOUCHED}{styles.NARROW}</style></head>\n<body>"
+        f"<main{kind}>\n"
+        f"{lean(inside)}\n</main>{run}</body></html>\n"
+    )
 
 
 _SOURCES = {
@@ -375,16 +386,29 @@ def _short_lines(steps: Iterable[Step], room: int) -> dict[Step, str]:
     scroll."""
     found: dict[Step, str] = {}
     for step in filter(lambda one: one.equations, steps):
-        text = equation_lines.html([step.equations], LETTERS)
-        if text == equation_lines.html([step.equations]):
+        text = _shorter([step.equations], "result" if step.result else "")
+        if not text:
             continue
-        kind = "equations short" + " result" * step.result
-        found[step] = f'<div class="{kind}">{text}</div>'
+        found[step] = text
         room -= len(lean(found[step]).encode())
         if room < 0:
             del found[step]
             break
     return found
+
+
+def _shorter(groups: EquationGroups, kind: str) -> str:
+    """HTML of equations in lines for a phone; "" where they fit one as they are."""
+    text = equation_lines.html(groups, LETTERS)
+    if text == equation_lines.html(groups):
+        return ""
+    return f'<div class="{f"equations short {kind}".rstrip()}">{text}</div>'
+
+
+def in_lines(groups: EquationGroups, kind: str = "") -> str:
+    """HTML of equations for a page, in short lines too for phones; kind: further classes."""
+    full = f'<div class="{f"equations {kind}".rstrip()}">{equation_lines.html(groups)}</div>'
+    return _shorter(groups, kind) + full
 
 
 # ---------------------------------------------------------------- shared

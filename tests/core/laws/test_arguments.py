@@ -49,6 +49,61 @@ def test_what_is_no_model_is_refused_with_what_to_write(name: str, first: Any):
         assert f"fb.load('{first}')" in advice[1]
 
 
+def takes_places(function: Callable[..., Any]) -> bool:
+    """Whether a function can be called with arguments in their places alone."""
+    parameters = inspect.signature(function).parameters.values()
+    needed = any(p.kind is p.KEYWORD_ONLY and p.default is p.empty for p in parameters)
+    return bool(parameters) and not needed
+
+
+@pytest.mark.sample(12)
+@pytest.mark.parametrize("name", [n for n, f in FUNCTIONS.items() if takes_places(f)])
+def test_what_is_nothing_at_all_is_refused_in_words(name: str):
+    """As the argument behind the model, or where there is none as the first."""
+    first, *others = list(inspect.signature(FUNCTIONS[name]).parameters.values())
+    before = [fb.load("2R")] if first.name == "model" else []
+    wrong = [first, *others][len(before) :]
+    if not wrong or wrong[0].kind not in (first.POSITIONAL_OR_KEYWORD, first.POSITIONAL_ONLY):
+        return  # there is no such argument
+    needed = [p for p in wrong[1:] if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
+    with pytest.raises(fb.FreebodyError):
+        FUNCTIONS[name](*before, object(), *(np.zeros(2) for _ in needed))
+
+
+UR5E = fb.load("ur5e")
+NAMED: list[tuple[Callable[[], Any], str]] = [
+    (lambda: fb.payload(UR5E, 7), "payload: motion is int 7, expected a Motion"),
+    (lambda: fb.payload(UR5E, [1.0]), "payload: motion: q has shape (1,)"),
+    (lambda: fb.default_motion(UR5E, "x"), "default_motion: duration is 'x'"),
+    (lambda: fb.default_motion(UR5E, -1), "duration is -1, expected a number of seconds above 0"),
+    (lambda: fb.default_motion(UR5E, samples=7), "samples is 7, expected a whole number"),
+    (lambda: fb.derive(UR5E, np.zeros(2)), "derive: method is ndarray"),
+    (lambda: fb.equations(fb.planar("R"), "no"), "equations: numbers is str 'no'"),
+    (lambda: fb.save(UR5E, 7), "save: path is int 7"),
+    (lambda: fb.smoothed(UR5E, None), "smoothed: motion is None"),
+    (lambda: fb.rotation(7, [0.0]), "rotation: axes is int 7"),
+    (lambda: fb.notes_figure(3.2), "notes_figure: number is float 3.2"),
+    (lambda: fb.mean_load({"a": 1}, [1], [1], 3), "mean_load: load"),
+    (lambda: fb.inertia_from("x", [0, 0], 1.0, [0, 0]), "inertia_from: mass is 'x'"),
+    (lambda: fb.inertia_from(1.0, [0, 0], np.eye(3), [0, 0]), "tensor has shape (3, 3)"),
+    (lambda: fb.integrated_inertia(7, [(0, 1)]), "integrated_inertia: points is int 7"),
+    (lambda: fb.integrated_inertia(np.sin, [0, 1]), "integrated_inertia: bounds is list"),
+    (lambda: fb.vector_function("x", ["x"]), "vector_function: rows is str 'x'"),
+    (lambda: fb.relation(7, "a = b"), "relation: values is int 7"),
+    (lambda: fb.same_robot(UR5E, 7), "same_robot: b is int 7"),
+    (lambda: fb.DutyCycle(7), "DutyCycle: segments is int 7"),
+    (lambda: fb.PartCatalogue(7), "PartCatalogue: motors is int 7"),
+    (lambda: fb.floor_loads(UR5E, [1.0]), "floor_loads: cycles[0] is float 1.0"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(NAMED)))
+def test_refusals_name_the_argument_as_the_signature_does(case: int):
+    function, words = NAMED[case]
+    with pytest.raises(fb.FreebodyError, match=re.escape(words)):
+        function()
+
+
 def test_most_functions_take_a_model():
     assert len(OF_MODELS) > 55
 

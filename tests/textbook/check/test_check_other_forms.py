@@ -376,3 +376,29 @@ def test_c1_is_the_velocity_term_wherever_the_torque_stands(line, right):
 def test_a_mistake_beside_a_torque_is_shown_where_it_is_written():
     line = "0 = τ2 - m2 g lc2 c12 - H12 θ̈1 + H22 θ̈2 - m2 l1 lc2 s2 θ̇1²"
     assert "‘H22 θ̈2’ has the wrong sign: it must be −H22 θ̈2" in fb.check(fb.load("2R"), line).text
+
+
+CHRISTOFFELS = {"h111": "0", "h112": "-h", "h121": "-h", "h122": "-h", "h211": "h", "h222": "0"}
+OF_LAGRANGE = CHRISTOFFELS | {"h112": "-2*h", "h121": "0", "h212": "-h/2", "h221": "h/2"}
+H = "m2*l1*lc2*sin(theta2)"
+
+
+@pytest.mark.parametrize("values", [CHRISTOFFELS, OF_LAGRANGE])
+def test_coefficients_of_rates_are_right_in_either_definition_and_one_for_all(values):
+    """Yoshikawa (1990) and Asada and Slotine (1986): the sums with the rates are the same."""
+    lines = [f"{name} = {value.replace('h', H)}" for name, value in values.items()]
+    verdict = fb.check(fb.planar("RR"), "\n".join(lines))
+    assert verdict
+    told = "∂H_ij/∂q_k" if values is OF_LAGRANGE else "Christoffel"
+    assert all(told in x.note for x in verdict.equations)
+    mixed = "\n".join([*lines, f"h121 = {'-' + H if values is OF_LAGRANGE else 0}"])
+    assert not fb.check(fb.planar("RR"), mixed)
+
+
+def test_a_wrong_coefficient_of_rates_is_told():
+    verdict = fb.check(fb.planar("RR"), f"h_{{112}} = {H}")
+    assert "the coefficient of the rates 1 and 2 in the velocity term of joint 1" in verdict.text
+    assert "has the wrong sign" in verdict.findings[0].message
+    arm = fb.planar("RRR")
+    line = "c2 = h_{211} θ̇1^2 + h_{233} θ̇3^2 + 2 h_{213} θ̇1 θ̇3 + 2 h_{223} θ̇2 θ̇3 + h222 θ̇2^2"
+    assert fb.check(arm, f"{line} + 2 h_{{212}} θ̇1 θ̇2")

@@ -113,6 +113,8 @@ class Kind:
     of_one_body: bool = False
     is_told_by_value: bool = False
     """Whether its value tells which of several quantities with one name is meant."""
+    is_defined_once: bool = False
+    """Whether all entries of one answer must be by one of these definitions."""
     rates: tuple[Literal["some", "one", "none"], ...] = ()
     """Rates in answers, where two quantities share a name: one in each term, some or none."""
     has_rows_of_tip: bool = False
@@ -182,6 +184,10 @@ BIAS = Kind(
     "bias", (), ("bias",), of="joints", tells="motion", terms=("c", "g", "drives"),
 )  # fmt: skip
 COEFFICIENT = Kind("h", "the velocity coefficient", is_coefficient=True)
+COEFFICIENT_OF_RATES = Kind(
+    "h_ijk", "the coefficient of the rates {1} and {2} in the velocity term of joint {0}",
+    is_coefficient=True, is_told_by_value=True, is_defined_once=True,
+)  # fmt: skip
 CHRISTOFFEL = Kind(
     "christoffel", "the Christoffel symbol of the mass matrix of row {}, column {} and rate {}"
 )

@@ -26,7 +26,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.special import beta
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, require_kind
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.files.contradictions import GivenRates
@@ -92,6 +92,7 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
     others. A rate within three standard deviations of the noise left in it is rest. Raises
     FreebodyError where no noise is found and no cutoff given.
     """
+    require_kind("smoothed", "motion", motion, Motion, "a Motion")
     samples = _samples(motion)
     chosen = cutoff
     if chosen is None:

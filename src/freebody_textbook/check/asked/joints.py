@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from freebody.expressions import expression as ex
@@ -29,6 +29,12 @@ _VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
 """Kinds of the terms of the equations of motion: where two have a letter the last has it."""
 _MATRICES = (kinds.CORIOLIS, kinds.MASS)
 _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
+_OF_CHRISTOFFEL = "It is the Christoffel symbol."
+_OF_LAGRANGE = (
+    "It is ∂H_ij/∂q_k − ½ ∂H_jk/∂q_i, as Lagrange's equation gives it; the Christoffel symbol has "
+    "half of each order of the rates."
+)
+_AS_PRINTED = "It is the coefficient of the closed form, the negative of the Christoffel symbol."
 
 
 class JointQuantities(QuantityGroup):
@@ -146,37 +152,70 @@ class JointQuantities(QuantityGroup):
         return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
 
     def _christoffel(self) -> Iterator[NamedTarget]:
-        """Christoffel symbols: Spong's c_ijk with C_kj = Σ_i c_ijk q̇_i, and Γ_ijk of Murray, Li
-        and Sastry with C_ij = Σ_k Γ_ijk q̇_k; Γ_kji = c_ijk."""
+        """Christoffel symbols with their names: Spong's c_ijk, C_kj = Σ_i c_ijk q̇_i, and Γ_ijk of
+        Murray, Li and Sastry, C_ij = Σ_k Γ_ijk q̇_k; Γ_kji = c_ijk."""
         for i, j, k in itertools.product(self.numbers, repeat=3):
-            value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
-            target = AskedQuantity(kinds.CHRISTOFFEL, (k, j, i), value)
+            target = AskedQuantity(
+                kinds.CHRISTOFFEL, (k, j, i), lambda x=(k, j, i): _christoffel(self.setting, *x)
+            )
             yield (f"c{i}{j}{k}", f"Gamma{k}{j}{i}"), target
 
-    def _symbol_of_christoffel(self, i: int, j: int, k: int) -> Callable[[], Trig]:
-        def value() -> Trig:
-            M, ring = self.setting.all_of("M"), self.setting.ring
-            q = self.setting.symbols.coordinates
-            m = {x: self.setting.element(M[x[0]][x[1]]) for x in ((k, j), (k, i), (i, j))}
-            half = ring.polynomial([({}, Fraction(1, 2))])
-            slopes = m[k, j].derivative(q[i]) + m[k, i].derivative(q[j]) - m[i, j].derivative(q[k])
-            return slopes * half
 
-        return value
+def _slope(setting: RightEquations, i: int, j: int, k: int) -> Trig:
+    """∂M_ij/∂q_k, joints counted from 1."""
+    entry = setting.element(setting.all_of("M")[i - 1][j - 1])
+    return entry.derivative(setting.symbols.coordinates[k - 1])
+
+
+def _christoffel(setting: RightEquations, i: int, j: int, k: int) -> Trig:
+    """The Christoffel symbol of row i and the rates j and k: ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j −
+    ∂M_jk/∂q_i)."""
+    slopes = _slope(setting, i, j, k) + _slope(setting, i, k, j) - _slope(setting, j, k, i)
+    return slopes * Fraction(1, 2)
+
+
+def _of_lagrange(setting: RightEquations, i: int, j: int, k: int) -> Trig:
+    """∂M_ij/∂q_k − ½ ∂M_jk/∂q_i, whose sum over j and k with the rates is the velocity term too
+    (Asada and Slotine, Robot analysis and control, 1986)."""
+    return _slope(setting, i, j, k) - _slope(setting, j, k, i) * Fraction(1, 2)
 
 
 class VelocityCoefficients(QuantityGroup):
-    """The velocity coefficient h of (3.25), for answers that use it."""
+    """The velocity coefficients for answers that use them: h of (3.25), and h_ijk, of which
+    c_i = Σ h_ijk q̇_j q̇_k."""
 
     def single(self) -> Iterator[NamedTarget]:
+        printed = dict(self._printed())
+        for name, side in printed.items():
+            if len(name) < len("h111"):
+                yield (name,), self._coefficient(side)
+        for i, j, k in itertools.product(self.numbers, repeat=3):
+            name = f"h{i}{j}{k}"
+            yield (name,), self._of_rates((i, j, k), printed.get(name))
+
+    def _printed(self) -> Iterator[tuple[str, Expression]]:
+        """The coefficients of the closed form as it is printed, by name."""
         if not self.setting.equations.is_short:
             return
         for group in self.setting.equations.groups("named"):
             for equation in group:
                 symbol = equation.lhs
                 if isinstance(symbol, ex.Symbol) and symbol.letter == "h":
-                    name = symbol.name.replace("_", "")
-                    yield (name,), self._coefficient(equation.rhs)
+                    yield symbol.name.replace("_", ""), equation.rhs
+
+    def _of_rates(self, index: tuple[int, int, int], printed: Expression | None) -> AskedQuantity:
+        """The coefficient h_ijk in each of the ways that books define it, or as it is printed."""
+        setting = self.setting
+        also = [(_OF_LAGRANGE, lambda: _of_lagrange(setting, *index))]
+        if printed is not None:
+            also.append((_AS_PRINTED, lambda: polynomial(setting, printed)))
+        return AskedQuantity(
+            kinds.COEFFICIENT_OF_RATES,
+            index,
+            lambda: _christoffel(setting, *index),
+            note=_OF_CHRISTOFFEL,
+            also=tuple(also),
+        )
 
     def _coefficient(self, printed: Expression) -> AskedQuantity:
         """A velocity coefficient as quantity; some books define it with the opposite sign."""

@@ -12,6 +12,7 @@ from typing import Any
 from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.parser import PI
+from freebody.expressions.nodes import Expression
 from freebody.expressions.notations.notation import BookNotation, Weights, angles_of
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import (
@@ -278,7 +279,11 @@ class RightEquations:
 
     def form(self, x: Value) -> str:
         """Printed text of a polynomial or a quotient of two."""
-        return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
+        return str(self.printed(x))
+
+    def printed(self, x: Value) -> Expression:
+        """A polynomial or a quotient of two as it is printed."""
+        return x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x)
 
 
 def loop_equation(i: int) -> str:

@@ -32,7 +32,7 @@ from freebody_textbook.check.algebra.finite_field import (
 from freebody_textbook.check.algebra.quotients import Value, difference
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.more_of_bodies import MOVES
-from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.units_of_symbols import can_be_a_level, misfit
 from freebody_textbook.check.reading.claim import Claim
@@ -56,6 +56,7 @@ from freebody_textbook.check.verdicts.verdict_sentences import (
     example,
     example_at,
     quoted,
+    right_equation,
     right_verdict,
     wrong_verdict,
 )
@@ -119,7 +120,12 @@ class Judge:
                 if reading.target is not None and _is_zero(claim.target):
                     meant = other
         wrong = self._as_read(meant, True) if explain else found
-        return replace(wrong, causes=(*wrong.causes, *unread_condition(claim)))
+        meant = replace(meant, target=self._in_its_sense(meant))
+        return replace(
+            wrong,
+            causes=(*wrong.causes, *unread_condition(claim)),
+            right=right_equation(self.setting, meant),
+        )
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of an expression in an alternative reading."""
@@ -205,8 +211,7 @@ class Judge:
         if not target.also:
             return target
         if target.kind.is_told_by_value:
-            ways = [(target.note, target.compute), *target.also]
-            note, compute = min(ways, key=lambda way: len(difference(claim.value, way[1]())))
+            note, compute = self._told(claim)
             if compute is target.compute:
                 return target
             words = f"{target.title}, {note[3:].rstrip('.')}" if note else target.words
@@ -220,6 +225,24 @@ class Judge:
             return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
         first = (_OTHER_SENSE, target.compute)
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
+
+    def _told(self, claim: Claim) -> Mistaken:
+        """The meaning among those of a claim's quantity, with its note, from which the claim
+        differs least, or with it all claims of its kind."""
+        target = claim.target
+        alike = [claim]
+        if target.kind.is_defined_once:
+            alike = [x for x in self.claims if x.target.kind is target.kind]
+
+        def differing(way: Mistaken) -> int:
+            found = 0
+            for x in alike:
+                meanings = {x.target.note: x.target.compute, **dict(x.target.also)}
+                value = meanings.get(way[0], x.target.compute)()
+                found += len(difference(x.value, value))
+            return found
+
+        return min([(target.note, target.compute), *target.also], key=differing)
 
     def _senses(self, kind: Kind) -> tuple[int, int]:
         """(number of claims about a kind correct with the first sign, number with the second)."""

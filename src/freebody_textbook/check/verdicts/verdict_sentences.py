@@ -10,7 +10,18 @@ from fractions import Fraction
 from freebody.expressions import expression as ex
 from freebody.expressions.grammar.atoms import atom, numbered
 from freebody.expressions.grammar.source import Source
-from freebody.expressions.nodes import Expression, Function, Number, Power, Product, Sum, nodes
+from freebody.expressions.grammar.tables.characters import DOT
+from freebody.expressions.grammar.words import spelt
+from freebody.expressions.nodes import (
+    Expression,
+    Function,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Symbol,
+    nodes,
+)
 from freebody.expressions.printed_names import sym, with_letter
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.outputs.number_text import shortest
@@ -29,6 +40,8 @@ from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 from freebody_textbook.relations.formula_values import occurs, typical_value
 
 _LONG = 70
+_MOST_TERMS = 60
+"""Terms of a right side that fill a screen."""
 _USUAL = frozenset(kind.usual for kind in LETTERED if kind.usual)
 """Letters by which sentences name entries."""
 _OF_REPAIR = {
@@ -82,6 +95,25 @@ def wrong_verdict(
     text = sentence(shown) if shown else ""
     title = claim.target.title
     return EquationVerdict(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
+
+
+def right_equation(setting: RightEquations, claim: Claim) -> Expression | None:
+    """What a claim's quantity is, as an equation where it has a name of its own; None of equations
+    between two sides, of poses, of what stands for itself, and of long formulas."""
+    if claim.whole is not None or claim.target.kind.is_pose:
+        return None
+    right = claim.target.compute()
+    form = setting.printed(right) if max(map(len, pair(right))) <= _MOST_TERMS else None
+    if form is None or isinstance(form, Symbol):
+        return None
+    name = _code_name(spelt(claim.label))
+    return ex.eq(sym(name), form) if name else form
+
+
+def _code_name(name: str) -> str:
+    """A plain name in the spelling of code, which has the dots behind it: vc2x_d."""
+    plain = name.lstrip(DOT)
+    return f"{plain}_{'d' * (len(name) - len(plain))}" if plain != name else name
 
 
 @dataclass(frozen=True)
