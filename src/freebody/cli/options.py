@@ -55,7 +55,8 @@ ParametersOption = Annotated[
     typer.Option(
         "--parameter",
         metavar="NAME=FORMULA",
-        help="A parameter given by others or a number, such as lc=l/2 for all links, or I1=0.",
+        help="A parameter given by others or a number, such as lc=l/2 for all links, or I1=0; also "
+        "by letters of your own, such as I1=m1*r^2/2.",
     ),
 ]
 
