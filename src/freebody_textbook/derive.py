@@ -16,7 +16,7 @@ from freebody.model.model import Model
 from freebody_textbook.closed_chains.multiplier_equations import multipliers
 from freebody_textbook.derivation import Comparison, Derivation, Method, Step, written_in
 from freebody_textbook.drawings.illustrate import drawings, living_parts
-from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, freed
+from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, prepared
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.overview import overview, without_repeated_legs
 from freebody_textbook.methods.setting import LOADS, Setting
@@ -56,7 +56,8 @@ def derive(
         The letters that are printed, as for `check`, which reads the lines in the same notation;
         None: those of the notes.
     parameters
-        Parameters given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}.
+        Parameters given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"};
+        with letters of your own too, {"I1": "m1*r^2/2"}.
     options
         The method's own, from the list below.
 
@@ -84,7 +85,7 @@ def derive(
     if load is None:
         load = record.at_rest and _has_moving_tip(model)
     style = notation_of(notation, parameters)
-    model = freed(model, style.parameters)
+    model = prepared(model, style.parameters)
     setting = _setting(record, model, LOADS[model.dim] if load else (), style)
     worked = record.work_out(setting, **chosen)
     given, glossary = overview(setting, record, worked)

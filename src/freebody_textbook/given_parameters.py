@@ -4,20 +4,34 @@ l1²/12, or numbers."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from contextlib import suppress
+from dataclasses import replace
 
-from freebody.errors import FreebodyError, UnknownNameError, listed
+from freebody.errors import FreebodyError, UnknownNameError, likely, listed
 from freebody.expressions.expression import Expression
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.symbols import Formulas, Symbols
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.expressions.printed_names import sym
 from freebody.model.model import Model
-from freebody.model.parameter_formulas import inertial_names, negative, of_each_link
+from freebody.model.parameter_formulas import (
+    ParameterFormula,
+    inertial_names,
+    negative,
+    of_each_link,
+    of_link,
+)
+from freebody.model.parameter_formulas import formulas_of as ordered
 from freebody.model.parameters import finite
 from freebody.scalars.trig import Trig
 from freebody_textbook.relations.formula import FormulaError, names_in, parse
 from freebody_textbook.relations.formula_values import value
 
+_COORDINATES = ("theta", "d")
+_ROD = "l"
+"""The letter of a body's own length, which an arm has only where another joint or the tip
+follows."""
 _NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
 
 
@@ -92,9 +106,51 @@ def _values_of(symbols: Symbols) -> dict[str, Trig]:
     return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
 
 
-def freed(model: Model, given: Mapping[str, str | float]) -> Model:
-    """A copy of the model without its formulas for parameters that are given otherwise."""
-    return model.bind({name: name for name in given}) if model.formulas and given else model
+def prepared(model: Model, given: Mapping[str, str | float]) -> Model:
+    """A copy of the model for parameters that are given by formulas: without its own formulas for
+    these, and with the letters that the formulas have and the model lacks, such as the length l2 of
+    a rod that slides, or a radius r."""
+    if not given:
+        return model
+    model = model.bind({name: name for name in given}) if model.formulas else model
+    known = model.parameters
+    found = _with_letters(model, known, given)
+    if not found:
+        return model
+    letters = dict.fromkeys(x for formula in found.values() for x in formula.names)
+    formulas = {x.name: x for x in model.formulas} | found
+    return replace(model, formulas=ordered(formulas, letters | known))
+
+
+def _with_letters(
+    model: Model, known: Collection[str], given: Mapping[str, str | float]
+) -> dict[str, ParameterFormula]:
+    """The given formulas that have letters of their own, by the parameter that each gives."""
+    lengths = {f"{_ROD}{k}" for k in range(1, len(model.bodies) + 1)} if model.dim == 2 else set()
+    found = {}
+    for name, text in given.items():
+        if not isinstance(text, str):
+            continue
+        for own in of_each_link(name, text, (), known):
+            with suppress(FreebodyError):  # told where all formulas are read
+                names = names_in(parse(text))
+                number = own.removeprefix(name)
+                written = of_link(number, text, names, {*known, *lengths}) if number else text
+                formula = ParameterFormula.of(own, written)
+                letters = {x for x in formula.names if x not in known}
+                if letters and all(_is_own(x, known, lengths) for x in letters):
+                    found[own] = formula
+    return found
+
+
+def _is_own(name: str, known: Collection[str], lengths: Collection[str]) -> bool:
+    """Whether a name is a letter of the user's own, rather than a misspelt parameter, gravity or a
+    coordinate with its rates."""
+    if name in lengths:
+        return True
+    letter = atom(name)
+    reserved = bool(letter.dots) or letter.letter in ("g", *_COORDINATES)
+    return not (reserved or likely(name, known))
 
 
 def formulas_in_words(symbols: Symbols, layout: Layout) -> list[str]:

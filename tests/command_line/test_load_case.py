@@ -197,3 +197,5 @@ def test_a_duty_cycle_in_the_place_of_a_motion(tmp_path: Path, monkeypatch, caps
     assert "on each of 2 paths" in capsys.readouterr().out
     asked = ["study", "2R", "--cycle", "cycle.toml", "--out", "o", "--smooth", "auto"]
     assert "smooth is for one motion" in error(capsys, *asked)
+    asked = ["payload", "2R", "--cycle", "cycle.toml", "--smooth", "8"]
+    assert "--smooth is for one motion, and cycle.toml is a duty cycle" in error(capsys, *asked)

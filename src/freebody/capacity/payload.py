@@ -28,6 +28,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
 from freebody.model.model import Model
+from freebody.motion.files.measured_motions import loudest, smoothed
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.planning.planning_limits import SLACK
 from freebody.motion.ranges import CLOSE, position_columns, ranges
@@ -63,6 +64,7 @@ class LargestPayload(Tabled, ByValue):
     at other speeds. joint_names, limits: (K,), the joint of each limit, and which
     it is: "effort", "brake", "static load" or "tilting moment". parts: (K,), words for what reaches
     it. frame: where the payload is. doubts: those on the robot's masses, drives and effort limits.
+    noise: sentences on the noise of a measured motion, which counts as torque; otherwise empty.
     """
 
     mass: Array
@@ -78,7 +80,8 @@ class LargestPayload(Tabled, ByValue):
     parts: tuple[str, ...]
     frame: str
     doubts: tuple[Doubt, ...] = ()
-    _aside = ("doubts",)
+    noise: str = ""
+    _aside = ("doubts", "noise")
 
     @property
     def told(self) -> bool:
@@ -126,17 +129,18 @@ class LargestPayload(Tabled, ByValue):
         if not self.told:
             return self.remark
         where, at = self._where(), self.least
+        noisy = ["the noise of the motion counts"] if self.noise else []
         if self.joint[at] < 0:
             return f"carries any mass {where}: {self.remark}"
         if self.overloaded[at]:
-            return f"carries nothing {where} · {self.remark}"
+            return " · ".join([f"carries nothing {where}", self.remark, *noisy])
         told = [f"carries {rounded_down(float(self.mass[at]))} kg {self.by} {where}", self.remark]
         if np.isfinite(self.faster) and self.faster >= 1.0:
             pace = rounded_down(self.faster, 2)
             told.append(
                 "no faster without it" if pace == "1" else f"without it {pace} times as fast"
             )
-        return " · ".join(told)
+        return " · ".join([*told, *noisy])
 
     @property
     def least(self) -> tuple[np.intp, ...]:
@@ -182,6 +186,7 @@ class LargestPayload(Tabled, ByValue):
             for name, mass in zip(self.parts, least, strict=True)
         ]
         notes = [in_one_line(self.doubts)] if self.doubts else []
+        notes += [self.noise] if self.noise else []
         return TextTable(("limit", "carries alone"), rows, notes)
 
 
@@ -256,8 +261,15 @@ def payload(
     loads = wrenches_by_frame(function, model, wrenches, single=True)
     parts = FittedParts.of(function, model, brakes, bearings)
     found = largest_payload(model, motion, loads, parts, shape, frame, effort)
+    noise = loudest(model, _motions(model, motion) or ())
+    if noise is not None:
+        found = replace(found, noise=noise.counted)
     if not isinstance(motion, Motion):
         return found
+    if noise is not None:
+        clean = smoothed(model, motion, noise.cutoff)
+        other = largest_payload(model, clean, loads, parts, shape, frame, effort)
+        found = replace(found, noise=f"{noise.counted} Then: {other.card}.")
     states = motion.q, motion.qd, motion.qdd
     limits = chosen_efforts(function, model, effort)
     fitted = part_loads(function, model, parts, motion.t, states, loads)

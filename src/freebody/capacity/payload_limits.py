@@ -147,7 +147,7 @@ def _of_bearings(limit: BearingLimit) -> Callable[[CaseAtStates], Reached]:
 
 
 _EFFORT, _BEARING = ("effort", "drive"), "bearing"
-_WEAK, _LARGE = "is overloaded without payload", "is too large without payload"
+_WEAK, _LARGE = "is overloaded already", "is too large already"
 
 PAYLOAD_LIMITS: tuple[PayloadLimit, ...] = (
     PayloadLimit(*_EFFORT, _WEAK, _coordinates, _of_drives),

@@ -11,7 +11,7 @@ import typer
 
 from freebody.cli import fitted_parts, motions, options, terminal
 from freebody.cli.commands import OnceCommand
-from freebody.cli.study import GivenMeasured, GivenSmooth, computed
+from freebody.cli.study import GivenMeasured, computed
 from freebody.errors import FreebodyError
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def _reader() -> Any:
 def _case(
     robot: options.GivenRobot,
     motion: motions.GivenMotion = None,
-    smooth: GivenSmooth = None,
+    smooth: motions.GivenSmooth = None,
     measured: GivenMeasured = None,
     catalogue: fitted_parts.GivenCatalogue = None,
     brake: fitted_parts.GivenBrakes = None,

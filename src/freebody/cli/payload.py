@@ -18,6 +18,7 @@ def payload(
     context: typer.Context,
     robot: options.GivenRobot,
     motion: motions.MotionInsteadOfPostures = None,
+    smooth: motions.GivenSmooth = None,
     q: Annotated[
         str | None,
         typer.Option(metavar="VALUES", help='At rest at this posture, rad and m, or "30 deg".'),
@@ -74,7 +75,7 @@ def payload(
 
     model = robot.load()
     wrenches = robot.wrenches(model)
-    at, words = _where(robot, model, motion, q, postures, seed)
+    at, words = _where(robot, model, motion, motions.cutoff(smooth), q, postures, seed)
     centre = None if com is None else numbers.values("--com", com)
     if out is not None and centre is not None:
         raise FreebodyError("--com: the load diagram has offsets of its own; leave one out.")
@@ -99,7 +100,13 @@ def payload(
 
 
 def _where(
-    robot: options.GivenRobot, model: Any, motion: Path | None, q: str | None, count: int, seed: int
+    robot: options.GivenRobot,
+    model: Any,
+    motion: Path | None,
+    smooth: bool | float,
+    q: str | None,
+    count: int,
+    seed: int,
 ) -> tuple[Any, str]:
     """A motion or postures, and what they are in words."""
     from freebody.trees.positions import random_state
@@ -107,9 +114,12 @@ def _where(
     if motion is not None and q is not None:
         raise FreebodyError("--motion and --q: give a motion or a posture.")
     if motion is not None:
-        at = motions.read(model, motion, robot.speed)
+        at = motions.read(model, motion, robot.speed, smooth)
         carried = any(x.payload is not None for x in getattr(at, "segments", ()))
-        return at, f"along {motion}{', besides what its segments carry' if carried else ''}"
+        how = ", smoothed" if smooth is not False else ""
+        return at, f"along {motion}{how}{', besides what its segments carry' if carried else ''}"
+    if smooth is not False:
+        raise FreebodyError("--smooth: there is no motion to smooth; give --motion.")
     if robot.speed != 1.0:
         raise FreebodyError("--speed: there is no motion to run faster or slower; give --motion.")
     if q is not None:

@@ -168,7 +168,7 @@ ROBOT_OPTIONS: dict[str, RobotOption] = {
     "parameters": _option(
         list[str] | None,
         "Another value for a number of the robot, such as l1=0.5, or a formula that gives it, such "
-        "as lc=l/2 for all links.",
+        "as lc=l/2 for all links; of a derivation and an answer also by letters of your own.",
         "--parameter",
         metavar="NAME=VALUE",
         changed=_bound,

@@ -34,6 +34,7 @@ def size(
         ),
     ],
     motion: motions.GivenMotions = None,
+    smooth: motions.GivenSmooth = None,
     joint: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="A joint to choose for. Default: all that are driven."),
@@ -89,7 +90,7 @@ def size(
         parts = read(catalogue)
         found = chosen(
             model,
-            [motions.read_cycle(model, file) for file in motion or (None,)],
+            [motions.read_cycle(model, file, motions.cutoff(smooth)) for file in motion or (None,)],
             parts,
             joints=joint,
             mounts=_mounts(mount),

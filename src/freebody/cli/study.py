@@ -10,7 +10,6 @@ import typer
 
 from freebody.cli import fitted_parts, motions, options, terminal
 from freebody.errors import FreebodyError, OutputError, UnknownNameError
-from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
 from freebody.outputs.number_text import compared
@@ -35,14 +34,6 @@ _STYLES = {
 }
 """Styles by outcome, and whether there is nothing to mend."""
 
-GivenSmooth = Annotated[
-    str | None,
-    typer.Option(
-        metavar="HZ",
-        help="Smooth a measured motion, without delay: a cutoff in Hz, "
-        "or auto to choose the cutoff from the noise.",
-    ),
-]
 GivenMeasured = Annotated[
     Path | None,
     typer.Option(
@@ -63,7 +54,7 @@ def study(
         Path | None,
         typer.Option(metavar="DIR", help="Folder for report and data. Default: study-ROBOT."),
     ] = None,
-    smooth: GivenSmooth = None,
+    smooth: motions.GivenSmooth = None,
     measured: GivenMeasured = None,
     catalogue: fitted_parts.GivenCatalogue = None,
     brake: fitted_parts.GivenBrakes = None,
@@ -96,7 +87,7 @@ def study(
         from freebody.design.duty_cycle import DutyCycle
         from freebody.report.study import Study
 
-        _cutoff(smooth)  # refused before anything is computed
+        motions.cutoff(smooth)  # refused before anything is computed
         figures = [_figure(given) for given in figure or ()]
         if pdf is not None:
             browser()  # refused before anything is computed
@@ -143,7 +134,7 @@ def computed(
         model,
         motion,
         wrenches=robot.wrenches(model),
-        smooth=_cutoff(smooth),
+        smooth=motions.cutoff(smooth),
         speed=robot.speed,
         measured=measured,
         **parts,
@@ -164,19 +155,6 @@ def _figure(given: str) -> tuple[str, Path]:
     if name not in NAMES:
         raise UnknownNameError("figure", name, "a study", NAMES)
     return name, picture_file(file, "--figure")
-
-
-def _cutoff(smooth: str | None) -> bool | float:
-    """The cutoff frequency (Hz) that --smooth asks for; True for an automatic one, False for
-    none."""
-    if smooth is None or smooth == "auto":
-        return smooth is not None
-    cutoff = number(smooth)
-    if cutoff is None or not cutoff > 0.0:
-        raise FreebodyError(
-            f"--smooth is {smooth!r}, expected a cutoff in Hz above 0, such as 8, or auto."
-        )
-    return cutoff
 
 
 def _saved(found: Study | CycleStudy, directory: Path) -> FreebodyError | None:

@@ -15,6 +15,7 @@ from freebody.design.data_sheets import mean_load
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
 from freebody.design.joint_loads import joint_loads, known_wrenches, undetermined
+from freebody.design.notices import noise_notices
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model
@@ -184,7 +185,12 @@ def _assembled(
     )
     open_ones = [x for x, r in zip(names, data["radial_force"].values.T, strict=True)
                  if np.isnan(r).any()]  # fmt: skip
-    notices = (*doubt_notices(model), *cycle_notices(cycles), *undetermined(open_ones))
+    notices = (
+        *doubt_notices(model),
+        *noise_notices(model, cycles),
+        *cycle_notices(cycles),
+        *undetermined(open_ones),
+    )
     return BearingLoads(model, given, data, summary, notices)
 
 

@@ -21,7 +21,7 @@ from freebody.design.loads import (
     drive_joints,
     rest_loads,
 )
-from freebody.design.notices import unmended
+from freebody.design.notices import noise_notices, unmended
 from freebody.design.pairs import (
     LIMITS,
     Demand,
@@ -258,8 +258,8 @@ def assembled(
         {key: (("cycle", "joint"), x, _attributes(key)) for key, x in by_cycle.items()}, names
     )
     limits = [limit.name for limit in LIMITS]
-    told = (*doubt_notices(model), *unmended(model, cycles), *cycle_notices(cycles),
-            *_lossless(model, joints))  # fmt: skip
+    told = (*doubt_notices(model), *unmended(model, cycles), *noise_notices(model, cycles),
+            *cycle_notices(cycles), *_lossless(model, joints))  # fmt: skip
     return DriveLoads(
         model, tuple(joints), dict(drives), data, summary,
         xr.DataArray(np.stack(shares_of, axis=-1), {"limit": limits, **names}, ("limit", "joint")),

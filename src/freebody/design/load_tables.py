@@ -15,6 +15,7 @@ from freebody.by_value import ByValue
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, Segment, duty_cycles
 from freebody.design.joint_loads import known_wrenches, undetermined
+from freebody.design.notices import noise_notices
 from freebody.errors import FreebodyError
 from freebody.model.cut_fixed_joints import behind, fixed_frame, rides
 from freebody.model.loops import held_by_base
@@ -200,7 +201,12 @@ def _tabled(
             begun += segment.duration
     wrenches, times, numbers = (np.concatenate(x) for x in zip(*parts, strict=True))
     open_one = [place] if np.isnan(wrenches).any() else []
-    notices = (*doubt_notices(model), *cycle_notices(done), *undetermined(open_one))
+    notices = (
+        *doubt_notices(model),
+        *noise_notices(model, done),
+        *cycle_notices(done),
+        *undetermined(open_one),
+    )
     return LoadTable(model, place, axes, wrenches, numbers, times, notices)
 
 

@@ -1,5 +1,5 @@
-"""Sentences on what a choice of motors cannot mend: what has no motor of its own, and joints that
-follow others beyond their own limits."""
+"""Sentences on what a choice of motors cannot mend: what has no motor of its own, joints that
+follow others beyond their own limits, and noise of measured motions."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from freebody.any_chain.effort_limits import followers
 from freebody.design.duty_cycle import DutyCycle
 from freebody.errors import listed
 from freebody.model.model import Model
+from freebody.motion.files.measured_motions import loudest
 from freebody.motion.ranges import CLOSE, angular
 from freebody.outputs.number_text import compared
 
@@ -32,6 +33,12 @@ def unmended(model: Model, cycles: Sequence[DutyCycle]) -> tuple[str, ...]:
     """Sentences on what no motor and gear of a joint mends over duty cycles: what holds a base that
     is free, and loads beyond the own limits of joints that follow others."""
     return (*without_motor(model, "these loads"), *_beyond(model, cycles))
+
+
+def noise_notices(model: Model, cycles: Sequence[DutyCycle]) -> tuple[str, ...]:
+    """Sentences on the noise of measured motions in duty cycles, which counts as torque."""
+    noise = loudest(model, (x.motion for cycle in cycles for x in cycle.segments))
+    return () if noise is None else (noise.counted,)
 
 
 def _beyond(model: Model, cycles: Sequence[DutyCycle]) -> Iterator[str]:

@@ -31,7 +31,7 @@ from freebody.design.loads import (
     drive_joints,
     rest_loads,
 )
-from freebody.design.notices import unmended
+from freebody.design.notices import noise_notices, unmended
 from freebody.design.pair_margins import pairs_for
 from freebody.design.pairs import LIMITS, uses
 from freebody.design.search import SizingSearch
@@ -248,6 +248,6 @@ def size(
     found = search.whole_front() if len(driven) == 1 else search.near_front()
     empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
     notices = (*search.failure, *search.remarks, *doubt_notices(model), *unmended(model, done),
-               *cycle_notices(done))  # fmt: skip
+               *noise_notices(model, done), *cycle_notices(done))  # fmt: skip
     choices = tuple(search.choice(label) for label in found)
     return replace(empty, choices=choices, notices=notices, tolerance=search.tolerance)

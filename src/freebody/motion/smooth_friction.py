@@ -3,8 +3,9 @@ width so that an integrator can follow; and the shares of torque that planning a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +15,10 @@ from freebody.algorithms.struts import struts_alone
 from freebody.arrays import Array
 from freebody.elementary import Scalar, tanh
 from freebody.errors import FreebodyError
+from freebody.lazy import Keeps, kept
 from freebody.model.coordinates import Coordinates
 from freebody.model.drives import LAWS, DriveLaw
-from freebody.model.drives.acting import DriveScalars
+from freebody.model.drives.acting import ActingLaw, DriveScalars
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.motion.intervals import for_each, side_by_side
@@ -26,7 +28,7 @@ WIDTH = FRICTION_WIDTH
 
 
 @dataclass(frozen=True, eq=False)
-class DryFriction:
+class DryFriction(Keeps):
     """The laws of all joints whose torque depends on the sign of a rate, with tanh(q̇ / width) in
     place of the sign."""
 
@@ -43,10 +45,34 @@ class DryFriction:
     def torque(self, q: Array, qd: Array) -> Array:
         """Smooth torques (..., nv) that the drives need to overcome friction at q (..., nq) and qd
         (..., nv)."""
-        smooth = [
-            replace(drive, sign=lambda law, rate: tanh(rate / self.width)) for drive in self.drives
-        ]
-        return _felt(smooth, q, qd)
+        found = np.zeros(qd.shape)
+        for drive, iq, iv in kept(self, "_alike", self._alike):
+            at = (q[..., iq],), (qd[..., iv],)
+            found[..., iv] += drive.at.felt(at[0], drive.torque(*at))
+        return found
+
+    def _alike(self) -> list[tuple[DriveScalars, list[int], list[int]]]:
+        """The smooth laws, one drive with arrays of numbers in the place of several with the same
+        laws at joints that move with their coordinates alike; and these coordinates' columns."""
+        rows: dict[Any, list[DriveScalars]] = {}
+        for k, drive in enumerate(self.drives):
+            at, laws = drive.at, tuple(x.law.name for x in drive.laws)
+            before = sum(other.at.v == at.v for other in self.drives[:k])  # at this coordinate
+            rows.setdefault((laws, before, at.ratio, at.offset, at.powers), []).append(drive)
+        return [self._joined(drives) for drives in rows.values()]
+
+    def _joined(self, drives: Sequence[DriveScalars]) -> tuple[DriveScalars, list[int], list[int]]:
+        first, numbers = drives[0], zip(*(drive.laws for drive in drives), strict=True)
+        laws = tuple(
+            ActingLaw(
+                every[0].law, tuple(map(_side_by_side, zip(*(x.p for x in every), strict=True)))
+            )
+            for every in numbers
+        )
+        joined = DriveScalars(
+            laws, replace(first.at, q=(0,), v=(0,)), lambda law, rate: tanh(rate / self.width)
+        )
+        return joined, [x.at.q[0] for x in drives], [x.at.v[0] for x in drives]
 
     def drag(self, q: Array, qd: Array) -> Array:
         """The size (..., nv) of dry friction at q (..., nq) and qd (..., nv); at rest the most that
@@ -81,6 +107,11 @@ def _felt(drives: Iterable[DriveScalars], q: Array, qd: Array) -> Array:
         torque = drive.at.felt(positions, drive.torque(positions, rates))
         found[..., drive.at.v[0]] += torque
     return found
+
+
+def _side_by_side(numbers: Sequence[Any]) -> Array:
+    """Numbers of several drives, or arrays of them over a family (...), as an array (..., n)."""
+    return np.stack(np.broadcast_arrays(*numbers), axis=-1)
 
 
 def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:

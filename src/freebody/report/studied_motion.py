@@ -186,9 +186,8 @@ def _compared(
 ) -> str:
     """A sentence on the peak torques of both motions where they differ, the most changed first;
     empty where none does."""
-    mine, theirs = (
-        np.abs(torque_parts(model, m, wrenches)["tau"]).max(axis=0) for m in (studied, other)
-    )
+    peaks = (with_peaks(model, motion, wrenches) for motion in (studied, other))
+    mine, theirs = (np.abs(torque_parts(model, m, wrenches)["tau"]).max(axis=0) for m in peaks)
     turns = angular(model)
     driven, largest = with_drive(model), np.maximum(mine, theirs)
     scale = np.array([largest[driven & (turns == kind)].max(initial=1e-300) for kind in turns])

@@ -29,7 +29,7 @@ from freebody_textbook.check.verdicts import senses
 from freebody_textbook.check.verdicts.equation_verdict import Judge
 from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.verdict_at_states import ONE_ASSEMBLY
-from freebody_textbook.given_parameters import freed
+from freebody_textbook.given_parameters import prepared
 
 _ABSOLUTE = (
     "This would be right if all angles were measured from the x axis; here each is measured from "
@@ -79,7 +79,8 @@ def check(
     "featherstone", which say what letters stand for, or a TOML file of one's own: [names] as in
     names=, [letters] of quantities (mass = "B"), angles = "absolute", zero = "down" (angles from
     the vertical), [parameters] by formulas (lc = "l/2", I1 = "m1*l1^2/12").
-    parameters: the same without a file, {"lc": "l/2", "I": 0}.
+    parameters: the same without a file, {"lc": "l/2", "I": 0}; formulas may have letters of your
+    own, {"I1": "m1*r^2/2"}.
 
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
@@ -101,7 +102,7 @@ def check(
     style = notation_of(notation, parameters)
     document, own = document_of(answer, form), own_names.as_texts(names or {})
     formulas = document.lexemes
-    written = as_written(freed(model, style.parameters), formulas, own)
+    written = as_written(prepared(model, style.parameters), formulas, own)
     equations = equations_of(written, named_in(written, formulas))
     where = in_notation(equations, style, absolute)
     asked = _WholeAnswer(document, own, style, at, tolerance)

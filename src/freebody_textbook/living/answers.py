@@ -40,7 +40,7 @@ from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
-from freebody_textbook.given_parameters import freed
+from freebody_textbook.given_parameters import prepared
 from freebody_textbook.living.answer_names import (
     MOST_THOUGHT,
     PageNames,
@@ -284,7 +284,7 @@ def _equations(plain: Derivation, notation: BookNotation) -> RightEquations:
     """The correct equations of `fb.check`, for the model as given, or else as derived."""
     symbols = plain.equations.symbols
     try:
-        model = freed(symbols.given or symbols.model, notation.parameters)
+        model = prepared(symbols.given or symbols.model, notation.parameters)
         return in_notation(equations_of(model), notation)
     except FreebodyError:
         return in_notation(equations_of(symbols.model), notation)

@@ -100,11 +100,8 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
         words = "; also ".join(filter(None, told)) or "length in the place of a joint or body"
         alike.setdefault((words, unit), []).append(name)
     for (words, unit), names in alike.items():
-        words = (
-            words
-            if len(names) == 1
-            else words.replace("entry", "entries").replace("distance", "distances")
-        )
+        for one, several in _PLURALS if len(names) > 1 else ():
+            words = words.replace(one, several)
         yield Meaning(tuple(map(sym, names)), words, unit)
     gravity = s.layout.order.gravity
     if gravity and s.weighs and not moved:
@@ -136,6 +133,12 @@ def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iter
 _ROTATION = Symbol("R_i,k", "R", ("i",), high="k")
 
 
+_PLURALS = (("entry", "entries"), ("distance", "distances"), ("number by", "numbers by"))
+_BY_WHICH = "number by which others are given"
+_ROD = re.compile(r"l([0-9]+)")
+"""The length of a body that no joint or tip ends, such as of a rod that slides."""
+
+
 def in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
     """The model's parameters with meaning and unit; moved: without masses and centres of mass."""
     for i in s.order:
@@ -150,7 +153,9 @@ def in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
     standing = {parameter.name for parameter in each_parameter(replace(model, formulas=()))}
     for parameter in each_parameter(model.formulas):
         if parameter.name not in standing:
-            yield parameter, "number by which others are given", ""
+            own = _ROD.fullmatch(parameter.name) if s.planar else None
+            words, unit = (f"length of body {own[1]}", METER) if own else (_BY_WHICH, "")
+            yield parameter, words, unit
 
 
 def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:

@@ -183,6 +183,4 @@ def test_what_reaches_the_follower_has_a_limit_of_its_own(tmp_path, more):
                          "motors mends that.")  # fmt: skip
     found = fb.payload(tight, at[:2])
     assert found.overloaded.all()
-    assert (
-        found.card == "carries nothing at each of 2 postures · slide is overloaded without payload"
-    )
+    assert found.card == "carries nothing at each of 2 postures · slide is overloaded already"

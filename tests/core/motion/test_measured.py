@@ -11,7 +11,8 @@ import pytest
 import freebody as fb
 from freebody import FreebodyError, Motion, read_motion
 from freebody.motion.files.measured_motions import noise, recognised, smooth
-from freebody.report.studied_motion import filtered
+from freebody.report.studied_motion import filtered, with_peaks
+from support.command import error, run
 
 ARM = fb.planar(
     "RR",
@@ -119,8 +120,9 @@ def test_a_study_gives_the_torque_with_and_without(tmp_path: Path):
     assert "smoothed at" in said
     clean, (told,) = filtered(ARM, motion, True)
     assert "as it was measured" in told
-    spoilt, peak = (
-        np.abs(fb.inverse_dynamics(ARM, m.q, m.qd, m.qdd)).max(axis=0) for m in (motion, clean)
+    spoilt, peak = (  # between samples too, where the verdict finds them
+        np.abs(fb.inverse_dynamics(ARM, m.q, m.qd, m.qdd)).max(axis=0)
+        for m in (with_peaks(ARM, motion), with_peaks(ARM, clean))
     )
     assert (spoilt > 1.2 * true).all()
     np.testing.assert_allclose(peak, true, rtol=0.05)
@@ -131,6 +133,38 @@ def test_a_study_gives_the_torque_with_and_without(tmp_path: Path):
     assert found.motion.source.endswith("smoothed: 4 Hz, without delay")
     assert "as it was measured" in found.warnings[0]
     assert found.checked
+
+
+def test_noise_that_counts_as_torque_is_told_wherever_torques_decide(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    path = log(tmp_path / "log.csv", sigma=1e-4, seconds=4.0)
+    motion = read_motion(ARM, path)
+    clean = fb.smoothed(ARM, motion)
+    loud = fb.payload(ARM, read_motion(ARM, log(tmp_path / "loud.csv", sigma=1e-3, seconds=4.0)))
+    assert loud.card.startswith("carries nothing on this path · ")
+    assert loud.card.endswith(" · the noise of the motion counts")
+    found, right = fb.payload(ARM, motion), fb.payload(ARM, clean)
+    assert found.mass < 0.9 * right.mass
+    said = "It counts as torque here; --smooth auto (fb.smoothed) takes it out"
+    assert said in found.noise
+    assert found.card.endswith(" · the noise of the motion counts")
+    both = right.card[: right.card.rindex(" · ")]  # how much faster without it is not compared
+    assert found.noise.endswith(f"Then: {both}.")
+    assert right.noise == ""
+    assert said in fb.payload(ARM, [clean, motion]).noise
+    for noisy, known in ((motion, True), (clean, False)):
+        cycle = fb.DutyCycle([fb.Segment(noisy)])
+        assert (said in " ".join(fb.floor_loads(ARM, cycle).notices)) is known
+    fb.save(ARM, tmp_path / "arm.toml")
+    command = ["payload", str(tmp_path / "arm.toml"), "--motion", str(path)]
+    assert run([*command, "--smooth", "auto"]) == 0
+    told = capsys.readouterr()
+    assert right.card in told.out
+    assert said not in told.err
+    assert run(command) == 0
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert "there is no motion to smooth" in error(capsys, "payload", "2R", "--smooth", "8")
 
 
 def test_an_honest_log_with_rates_is_followed_to_its_end(tmp_path: Path):

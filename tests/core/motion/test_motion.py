@@ -213,7 +213,13 @@ ROWS = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n"
 BAD = {
     "": ": the file is empty.",
     "when,joint1,joint2\n"
-    + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1' and 'joint2'.",
+    + ROWS: ":1: the header has no column 't' (time in s); it has 'when', 'joint1' and 'joint2'; "
+    "add it, with the time of each row.",
+    "time_ms,joint1,joint2\n" + ROWS: ":1: the header has no column 't' (time in s); it has "
+    "'time_ms', 'joint1' and 'joint2'; if 'time_ms' holds the times, call it 't', or with its unit "
+    "'t (ms)'.",
+    ROWS: ":1: the first line holds numbers, and a motion has a header; write one above them, "
+    "t,joint1,joint2.",
     "t,joint1\n0,0\n1,1\n2,2\n3,3\n": ":1: there is no column for 'joint2'; "
     "a motion gives every position of '2R'.",
     "t,joint1,joint2,jont2\n"

@@ -97,7 +97,7 @@ def test_limits_of_followers_are_not_held_and_that_is_said():
     (notice,) = motion.notices
     assert notice.startswith("What the loops bring to gauge is not held within its own limit")
     judged = fb.payload(model, motion, effort=limits)
-    assert "gauge is overloaded without payload" in judged.card
+    assert "gauge is overloaded already" in judged.card
 
 
 def test_near_a_singular_position_loops_stay_closed_and_torques_are_held():

@@ -227,3 +227,18 @@ def test_the_more_specific_sentence_stands_alone(robots: dict[str, fb.Model]):
     """I2 alone is also what no moment of a force would give: the parallel axis says more."""
     (cause,) = fb.check(robots["RR"], "H22 = I2").causes
     assert STEINER in cause
+
+
+def test_of_parts_of_a_torque_nothing_is_said_about_forces_that_nobody_wrote(robots):
+    """M and g come from energies as well: a wrong sign there is no wrong reaction."""
+    for name, line in (
+        ("RR", "H12 = -m2 (lc2² + l1 lc2 c2) - I2"),
+        ("RPR", "H23 = m3 lc3 s3"),
+        ("RR", "G1 = m1 g lc1 c1 + m2 g (l1 c1 - lc2 c12)"),
+    ):
+        verdict = fb.check(robots[name], line)
+        assert verdict.causes == ()
+        assert "wrong sign" in verdict.text
+    rod = {"lc": "l/2", "I": "m*l^2/12"}
+    (cause,) = fb.check(robots["RR"], "H22 = m2 l2²/12", parameters=rod).causes
+    assert cause.startswith("Only the moments of inertia about the centres of mass are here")

@@ -242,6 +242,37 @@ def test_parameters_by_formulas_are_put_in(method: str):
         assert a.evaluate(values | state) == pytest.approx(b.evaluate(rods | state), rel=1e-12)
 
 
+SLEEVE = {
+    "l1": 0, "lc1": "a/2", "I1": "m1*a^2/12", "lc2": "-l2/2", "I2": "m2*l2^2/12",
+    "lc3": "l3/2", "I3": "m3*r^2/2",
+}  # fmt: skip
+"""A sleeve of length a, a rod of length l2 in it up to joint 3, a disc of radius r."""
+
+
+def test_formulas_may_have_letters_that_the_robot_lacks():
+    """The equations are those of the robot with the numbers that the formulas give."""
+    arm = fb.planar("RPR")
+    told = fb.derive(arm, "lagrange", parameters=SLEEVE)
+    words = " ".join(told.text().split())
+    assert "l₂ length of body 2 [m]" in words
+    assert "a, r numbers by which others are given" in words
+    values = {"a": 0.5, "l2": 0.7, "r": 0.1, "l3": 0.3, "m1": 3.0, "m2": 2.0, "m3": 1.5}
+    by_hand = {"l1": 0.0, "lc1": 0.25, "I1": 0.0625, "lc2": -0.35, "I2": 0.98 / 12, "lc3": 0.15}
+    real = arm.bind(**by_hand, I3=0.0075, **{k: values[k] for k in ("l3", "m1", "m2", "m3")})
+    q, qd, qdd = [0.3, 0.6, -0.8], [1.1, -0.4, 0.7], [0.5, 1.2, -0.9]
+    names = told.equations.symbols.coordinates
+    rows = zip(("", "_d", "_dd"), (q, qd, qdd), strict=True)
+    values |= {x + end: v for end, row in rows for x, v in zip(names, row, strict=True)}
+    found = [x.evaluate(values | {"g": 9.81}) for x in told.tau]
+    assert found == pytest.approx(fb.inverse_dynamics(real, q, qd, qdd), rel=1e-12)
+    right = "H11 = 1/3 m1 a^2 + m2 (d2^2 - d2 l2 + l2^2/3) + m3 (d2^2 + l3^2/4 + d2 l3 c3 + r^2/2)"
+    assert fb.check(arm, [right, *closed_form(told)], parameters=SLEEVE)
+    wrong = fb.check(arm, right.replace("1/3 m1", "1/4 m1"), parameters=SLEEVE)
+    assert "must be ⅓ m₁ a²" in wrong.text
+    rods = fb.derive(arm, parameters={"lc": "l/2"})  # of all links, the one that slides too
+    assert "Here lc₁ = ½ l₁, lc₂ = ½ l₂ and lc₃ = ½ l₃." in rods.given
+
+
 def test_zeros_are_zeros_and_numbers_are_numbers():
     """Point masses at the ends of the links."""
     told = fb.derive(ARM, "lagrange", parameters={"lc": "l", "I": 0})
@@ -257,7 +288,8 @@ def test_zeros_are_zeros_and_numbers_are_numbers():
         ({"lc": "l/"}, "derive 'newton-euler': the parameter lc = l/: the line ends"),
         ({"lc1": "theta1"}, "changes with the motion"),
         ({"lc1": "lc2", "lc2": "l2"}, "names a parameter that is given by a formula"),
-        ({"lc1": "k9"}, "k9"),
+        ({"lc1": "L1"}, "no quantity 'L1' .* Did you mean 'l1'"),
+        ({"lc1": "theta9"}, "no quantity 'theta9'"),
         ({"lc": "l/0"}, "lc1 = l1/0: it divides by 0"),
         ({"lc": "l/(m-m)"}, "divides by 0"),
         ({"m": -1}, "m1 = -1.0 is negative; a mass is never negative"),

@@ -128,7 +128,7 @@ def test_angles_may_be_measured_from_the_vertical(tmp_path: Path, zero: str):
             "the parameter lc = l/: the line ends where a term",
         ),
         ("[parameters]\nlc1 = 'l1 l2'", "^check: the parameter lc1 = l1 l2: [^:]*expected[.]$"),
-        ("[parameters]\nlc1 = 'k9'", "k9"),
+        ("[parameters]\nlc1 = 'L1'", "no quantity 'L1' .* Did you mean 'l1'"),
         ("[parameters]\nlc1 = 'I1/m1'", "the parameter lc1 = I1/m1: "),
         ("[parameters]\nlc1 = 'lc2'\nlc2 = 'l2'", "names a parameter that is given by a formula"),
         ("[parameters]\nm2 = 'theta1'", "m2 = theta1 changes with the motion"),

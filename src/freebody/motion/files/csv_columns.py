@@ -36,6 +36,9 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """The units in which a table may give a quantity, with their sizes in SI units."""
 _PER = {"": ("",), ".v": ("/s",), ".a": ("/s²", "/s^2", "/s2")}
+_LIKE_TIMES = re.compile(r"t[\W_]|time|.*(stamp|seconds)", re.IGNORECASE)
+_SHOWN = 9
+"""Columns of a header that are shown as an example."""
 _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
 
@@ -125,7 +128,16 @@ def read_columns(
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
         raise FileError(path, None, f"the file has more than {_MOST_VALUES} values.")
-    header, factors, stated = _header(quantities or kinds(model), path, line, cells)
+    known = quantities or kinds(model)
+    if all(read_file.number(cell) is not None for cell in cells):
+        names = [*(("t",) if timed else ()), *known]
+        raise FileError(
+            path,
+            line,
+            f"the first line holds numbers, and {what} has a header; write one above them, "
+            f"{separator.join(names[:_SHOWN])}{separator + '…' if len(names) > _SHOWN else ''}.",
+        )
+    header, factors, stated = _header(known, path, line, cells)
     if timed and "t" not in header:
         raise FileError(
             path,
@@ -177,7 +189,10 @@ def _hint(cells: list[str]) -> str:
         return "; a line that is not part of the table starts with #"
     if len(cells) == 1 and cells[0].lower().startswith(("t ", "time ")):
         return "; separate the columns by commas, semicolons or tabs"
-    return ""
+    likely = next((cell for cell in cells if _LIKE_TIMES.match(cell)), None)
+    if likely is None:
+        return "; add it, with the time of each row"
+    return f"; if {likely!r} holds the times, call it 't', or with its unit 't (ms)'"
 
 
 def _numbers(

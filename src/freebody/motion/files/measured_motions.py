@@ -17,6 +17,7 @@ out as much.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,6 +80,14 @@ class Noise:
     """The frequency (Hz) at which `smoothed` would cut."""
     text: str
     """A sentence about the noise."""
+
+    @property
+    def counted(self) -> str:
+        """Sentences for a result in which the noise counts: what it is, and what takes it out."""
+        return (
+            f"{self.text} It counts as torque here; --smooth auto (fb.smoothed) takes it out, at "
+            f"{self.cutoff:.3g} Hz."
+        )
 
 
 def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motion:
@@ -166,6 +175,12 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
         f"motion."
     )
     return Noise(of, size, model.velocity_names[k], float(rms[k]), share, cutoff, text)
+
+
+def loudest(model: Model, motions: Iterable[Motion]) -> Noise | None:
+    """The noise of the motion whose accelerations it spoils most; None where it spoils none."""
+    found = [noise for motion in motions if (noise := recognised(model, motion))]
+    return max(found, key=lambda noise: noise.share, default=None)
 
 
 def rested(

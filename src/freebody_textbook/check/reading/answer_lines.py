@@ -339,7 +339,8 @@ def _answer_line(source: Source, line: list[Token]) -> AnswerLine:
     sides = sides_of(line)
     if len(sides) == 1:
         source.fail(
-            "this line has no equals sign; write, for example, tau1 = … or H12 = …",
+            "this line has no equals sign; write, for example, tau1 = … or H12 = …, and # before a "
+            "remark",
             (line[0].start, line[-1].end),
         )
     if len(sides) > MOST_SIDES:

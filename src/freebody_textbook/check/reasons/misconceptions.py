@@ -3,7 +3,7 @@ sentence and the function that changes the correct answer."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -139,6 +139,12 @@ THOUGHTS: Mapping[str, Change] = {
 }
 """Thoughts about one quantity, in the order in which they are tried."""
 
+OF_INERTIAS: Mapping[str, Change] = {
+    "Only the moments of inertia about the centres of mass are here: what the masses add, m lc² "
+    "where a body turns about its joint, is missing.": c.arms(0, 0, 0, 0),
+}
+"""Entries of the mass matrix without what the masses add, where no symbol tells it apart."""
+
 OF_BODIES: Mapping[str, Change] = {
     "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
     "Newton's third law {opposite} acts on body {n}.": c.believed(
@@ -196,14 +202,15 @@ class ThoughtTable:
     rows: Mapping[str, Change]
     most: int
     """The greatest number of them that is told of one answer."""
-    of_equations: bool = True
-    """Whether they are also about a side of the user's own equation."""
+    about: Callable[[Subject], bool] = lambda x: True
+    """Whether they are about a quantity."""
 
 
 TABLES = (
     ThoughtTable(OF_FREE_BODIES, 1),
-    ThoughtTable(THOUGHTS, 2, of_equations=False),
-    ThoughtTable(OF_BODIES, 1),
+    ThoughtTable(THOUGHTS, 2, lambda x: not x.is_equation),
+    ThoughtTable(OF_INERTIAS, 1, lambda x: x.part == "M"),
+    ThoughtTable(OF_BODIES, 1, lambda x: x.part in ("", "tau")),  # of M or g, nobody knows the way
 )
 """The tables in the order in which they are tried: one whose thoughts explain is the last."""
 
@@ -234,7 +241,7 @@ def left_out(setting: RightEquations) -> Iterator[tuple[str, c.Forgotten]]:
 
 
 def _of(table: ThoughtTable, x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
-    for text, change in table.rows.items() if table.of_equations or not x.is_equation else ():
+    for text, change in table.rows.items() if table.about(x) else ():
         yield _filled(text, change(x))
 
 

@@ -161,6 +161,12 @@ class Subject:
             None,
         )
 
+    @property
+    def part(self) -> str:
+        """What a torque or its part is called in the equations: "tau", "M", "c" or "g"; "" of other
+        quantities."""
+        return "" if self.torque is None else self.torque[0]
+
     @cached_property
     def components(self) -> list[Component]:
         """Entries of bodies' vectors, or kinetic energies, that equal the quantity."""
