@@ -67,7 +67,10 @@ def _number(limit: Any) -> str:
 def _mass(body: Body) -> str:
     if any(isinstance(part.inertia.mass, Members) for part in body.inertias):
         return "of each member"
+    masses = [part.inertia.mass for part in body.inertias]
     try:
-        return f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+        whole = f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+        named = isinstance(masses[0], Parameter) if len(masses) == 1 else False
+        return f"{whole} = {masses[0].name}" if named else whole
     except (TypeError, ValueError):  # a parameter without value
         return "symbolic"
