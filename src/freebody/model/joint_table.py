@@ -67,10 +67,9 @@ def _number(limit: Any) -> str:
 def _mass(body: Body) -> str:
     if any(isinstance(part.inertia.mass, Members) for part in body.inertias):
         return "of each member"
-    masses = [part.inertia.mass for part in body.inertias]
+    first = body.inertias[0].inertia.mass if len(body.inertias) == 1 else None
     try:
         whole = f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
-        named = isinstance(masses[0], Parameter) if len(masses) == 1 else False
-        return f"{whole} = {masses[0].name}" if named else whole
+        return f"{whole} = {first.name}" if isinstance(first, Parameter) else whole
     except (TypeError, ValueError):  # a parameter without value
         return "symbolic"
