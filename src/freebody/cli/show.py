@@ -49,6 +49,9 @@ def show(robot: options.GivenRobot) -> None:
             out.print(_UNSAID, soft_wrap=True)
         out.print()
     out.print(f"frames: {', '.join(model.frame_names)}")
+    numbers = _numbers(model)
+    if numbers:
+        out.print(f"numbers: {numbers}; others by --parameter NAME=VALUE", soft_wrap=True)
     if model.formulas:
         out.print(f"formulas: {', '.join(f'{x.name} = {x.text}' for x in model.formulas)}")
     for notice in model.notices:
@@ -56,6 +59,17 @@ def show(robot: options.GivenRobot) -> None:
             out.print(f"note: {notice}", soft_wrap=True)  # those have been printed in yellow
     for doubt in doubts_used(model, *ALL):
         out.print(capital(doubt.text), soft_wrap=True)
+
+
+def _numbers(model: Model) -> str:
+    """The named numbers of a robot with their values, but gravity's, which the heading has, and
+    those that follow by formulas."""
+    others = {"g", *(formula.name for formula in model.formulas)}
+    return ", ".join(
+        name if value is None else f"{name} = {value:.6g}"
+        for name, value in sorted(model.parameters.items())
+        if name not in others
+    )
 
 
 _UNSAID = (

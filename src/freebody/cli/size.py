@@ -138,6 +138,8 @@ def _print(found: Sizing) -> None:
             out.print(f"… and {len(found.choices) - _MOST} more, heavier.")
         out.print("The lightest:")
         terminal.table(replace(limit_table(loads), notes=()))
+        if found.carries:
+            out.print(f"{found.heaviest()!r}"[1:-1] + ".", markup=False, highlight=False)
         notices = (*notices, *loads.notices)
     else:
         terminal.warn(notices[0])

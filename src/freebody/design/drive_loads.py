@@ -34,7 +34,7 @@ from freebody.design.pairs import (
     uses,
 )
 from freebody.design.parts import Gear, Motor
-from freebody.errors import FreebodyError, KindError, shown
+from freebody.errors import FreebodyError, KindError, listed, shown
 from freebody.lazy import cached_property
 from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL
 from freebody.model.doubts import doubts_used
@@ -406,8 +406,9 @@ def _unchecked(drives: ChosenDrives, demands: Sequence[Demand]) -> tuple[str, ..
              if not limit.checks(m, g)}
         )  # fmt: skip
         if parts:
+            give = "gives" if len(parts) == 1 else "give"
             found.append(
-                f"Not checked: {limit.name} of {', '.join(parts)}, which gives no {limit.number}."
+                f"Not checked: {limit.name} of {listed(parts)}, which {give} no {limit.number}."
             )
     return tuple(found)
 

@@ -23,6 +23,7 @@ from freebody.design.drive_loads import (
     doubt_notices,
 )
 from freebody.design.duty_cycle import Cycles, DutyCycle, duty_cycles
+from freebody.design.heaviest import HeaviestPayloads, heaviest_payloads
 from freebody.design.loads import (
     CycleLoads,
     DriveJoint,
@@ -88,6 +89,21 @@ class Sizing(Tabled, ByValue):
             demand_of(self.loads, k, masses, self.life, self.rest) for k in range(len(self.joints))
         ]
         return assembled(self.model, self.cycles, self.joints, self.loads, demands, drives)
+
+    def heaviest(self, choice: DriveChoice | None = None) -> HeaviestPayloads:
+        """How many times as heavy the payloads of the cycles may be with the drives of a choice,
+        default the lightest, until a limit keeps no more than the margin; lives, RMS torques, gears
+        and brakes count as in the choice."""
+        drives = self._chosen(choice).drives
+        return heaviest_payloads(
+            self.model, self.cycles, self.joints, drives,
+            life=self.life, hold=self.hold, margin=self.margin,
+        )  # fmt: skip
+
+    @property
+    def carries(self) -> bool:
+        """Whether a segment of the cycles has a payload."""
+        return any(x.payload is not None for cycle in self.cycles for x in cycle.segments)
 
     def pair_uses(
         self, joint: str, carried: DriveChoice | ChosenDrives | None = None

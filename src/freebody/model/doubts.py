@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.errors import listed
 from freebody.model.description import TIP, Limits, Notice
 from freebody.model.doubt_rules import inertias, joints
 from freebody.model.doubt_rules.aspects import (
@@ -40,6 +41,8 @@ ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
 PLACEHOLDERS = "placeholder limits"
 _MEMBERS = 64
 """Members of a family that are looked at."""
+_NAMED = 6
+"""Links or joints of a doubt that are named; more are counted."""
 About = tuple[tuple[str, Inertia | Limits | None], ...]
 """Names of links or joints, with what is doubted."""
 
@@ -164,7 +167,7 @@ def _doubts_on(model: Model, aspects: tuple[str, ...]) -> tuple[Doubt, ...]:
             known = {doubt.kind for doubt in every}
             every += [x for x in doubts_on(member, *aspects) if x.kind not in known]
         return tuple(every)
-    read = read_doubts(model)
+    read = [_narrowed(doubt, left) for doubt, left in _standing(model)]
     found: list[Doubt] = []
     for kind in DOUBT_KINDS.values():
         if set(kind.touches) & set(aspects):
@@ -185,9 +188,25 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 def read_doubts(model: Model) -> list[Doubt]:
     """The doubts that the model's file states and that the model's numbers have not refuted
     since."""
+    return [doubt for doubt, _ in _standing(model)]
+
+
+def _narrowed(doubt: Doubt, left: list[str]) -> Doubt:
+    """The doubt with the names of the links or joints that it is still about, where others have
+    other numbers by now."""
+    every = len(doubt.about)
+    if len(left) == every:
+        return doubt
+    whom = listed(left) if len(left) <= _NAMED else f"{len(left)} of {every}"
+    return replace(doubt, text=f"{doubt.clause}; still so for {whom}.")
+
+
+def _standing(model: Model) -> list[tuple[Doubt, list[str]]]:
+    """The doubts that the model's file states and that the model's numbers have not refuted since,
+    with the names of what each is still about."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
-        return read
+        return [(doubt, [name for name, _ in doubt.about]) for doubt in read]
     links, limits = dict(_in_numbers(_all_inertias(model))), dict(_in_numbers(_all_limits(model)))
     bare = dict(_bare_bodies(model))
 
@@ -201,9 +220,8 @@ def read_doubts(model: Model) -> list[Doubt]:
         alike = now is not None and any(was.tensor) and now.tensor == was.tensor
         return now is not None and (alike or now.mass == was.mass)
 
-    return [
-        doubt for doubt in read if not doubt.about or any(stands(*entry) for entry in doubt.about)
-    ]
+    left = [(doubt, [x[0] for x in doubt.about if stands(*x)]) for doubt in read]
+    return [(doubt, names) for doubt, names in left if names or not doubt.about]
 
 
 def tied(notices: Sequence[Notice], model: Model) -> tuple[Notice, ...]:

@@ -67,7 +67,9 @@ def _number(limit: Any) -> str:
 def _mass(body: Body) -> str:
     if any(isinstance(part.inertia.mass, Members) for part in body.inertias):
         return "of each member"
+    first = body.inertias[0].inertia.mass if len(body.inertias) == 1 else None
     try:
-        return f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+        whole = f"{sum(part.inertia.numbers()[0] for part in body.inertias):.4g} kg"
+        return f"{whole} = {first.name}" if isinstance(first, Parameter) else whole
     except (TypeError, ValueError):  # a parameter without value
         return "symbolic"

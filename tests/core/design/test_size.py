@@ -287,6 +287,49 @@ def test_heavier_drives_further_out_need_more_further_in():
     assert on_ground.drive_loads().model.mass == pytest.approx(arm.mass)
 
 
+@pytest.mark.parametrize(
+    "payload",
+    [
+        4.0,
+        {"mass": 4.0, "com": [0.1, 0.0], "inertia": 0.3},
+        fb.Inertia(4.0, (0.1, 0.0), (0.3,)),
+    ],
+    ids=["mass", "table", "inertia"],
+)
+def test_the_heaviest_payloads_use_up_the_margin(payload: Any):
+    """What `drive_loads` says of cycles with payloads so heavy: the margin is just kept, and with
+    a hundredth more it is not; the limit is the one that is told."""
+    arm = fb.load("2R")
+    empty, loaded = cycles(arm, 2)
+
+    def times(factor: float) -> list[fb.Segment]:
+        given: Any = payload
+        if isinstance(given, dict):
+            given = {**given, "mass": 4.0 * factor, "inertia": 0.3 * factor}
+        elif isinstance(given, fb.Inertia):
+            given = fb.Inertia(4.0 * factor, given.com, (0.3 * factor,))
+        else:
+            given = given * factor
+        return [empty, fb.Segment(loaded.motion, payload=given, dwell=loaded.dwell)]
+
+    found = fb.size(arm, times(1.0), parts(9, 5, seed=3), life=LIFE, margin=1.1)
+    for choice in found.choices[:: max(1, len(found.choices) - 1)]:
+        most = found.heaviest(choice)
+        assert 1.0 <= most.factor < 100.0
+        assert most.masses == pytest.approx([4.0 * most.factor])
+        just, more = (
+            fb.drive_loads(arm, times(most.factor * x), choice.drives, life=LIFE)
+            for x in (1.0, 1.01)
+        )
+        assert 1.1 <= just.margin < 1.1 * 1.001
+        assert more.margin < 1.1
+        assert more.uses.max() == more.uses.sel(joint=most.joint, limit=most.limit)
+        assert most.limit in repr(most)
+    bare = fb.size(arm, empty, parts(9, 5, seed=3))
+    with pytest.raises(fb.FreebodyError, match="carries a payload that could be heavier"):
+        bare.heaviest()
+
+
 def test_a_catalogue_that_does_not_suffice_says_for_what():
     arm = fb.load("ur5e").without("friction")
     duty, whole = cycles(arm, 1), parts(16, 8)

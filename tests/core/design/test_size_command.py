@@ -45,6 +45,8 @@ def test_loaded_there_empty_back():
     mine = fb.size(arm, fb.DutyCycle.read(arm, "cycle.toml"), fb.catalogue("invented"), life=5000.0)
     motor, gear = mine.choices[0].drives[arm.joint_names[0]]
     assert motor.name in text
+    held = fb.size(arm, mine.cycles, fb.catalogue("invented"), life=5000.0, hold=True).heaviest()
+    assert f"{held!r}"[1:-1] in text
     assert fb.parameters(sized)[f"{arm.joint_names[0]}.rotor.gear"].value == gear.factor
     q = [[0.1, 0.2]]
     expected = fb.mass_matrix(mine.drive_loads().model, q)

@@ -140,7 +140,10 @@ def test_a_template_with_all_masses_of_ones_own_is_not_estimated():
     for make in (lambda given: fb.template("five_bar", **given), of_file):
         assert not make(numbers).is_estimated
         assert make({"m1": 1}).is_estimated
-        assert make({name: x for name, x in numbers.items() if name != "m4"}).is_estimated
+        left = make({name: x for name, x in numbers.items() if name != "m4"})
+        assert left.is_estimated
+        (doubt,) = (x for x in left.doubts if x.kind == "estimated inertias")
+        assert doubt.text.endswith(f"; still so for {left.bodies[-1].name}.")
 
 
 @pytest.mark.sample(1)

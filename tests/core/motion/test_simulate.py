@@ -176,6 +176,24 @@ def test_a_run_that_cannot_go_on_says_when():
         fb.simulate(pendulum(), [0], [0], np.linspace(0, 1, 11), torque=torque)
 
 
+def test_a_run_of_very_many_steps_says_so_while_it_can_be_stopped():
+    class Enough(Exception):
+        pass
+
+    def stop(text: str, done: float) -> None:
+        if len(told) or done > 0.02:
+            raise Enough
+
+    wrist = fb.planar("R", l=[0.1], lc=[0.01], m=[0.1], I=[1e-4])
+    wrist = wrist.with_drive("joint1", coulomb=1.0)
+    said = r"1000 steps led from .* more follow.* method='implicit' with step="
+    with pytest.warns(fb.FreebodyWarning, match=said) as told, pytest.raises(Enough):
+        fb.simulate(
+            wrist, [0.0], [0.0], [0, 10], lambda t, q, qd: [2 * np.sin(300 * t)],
+            sample_time=1e-3, progress=stop,
+        )  # fmt: skip
+
+
 def test_stiff_feedback_is_found_and_integrated_implicitly():
     """A rate gain of 20 N m s on a wrist of 2e-4 kg m²: what an explicit method would take 16,000
     steps a second for."""

@@ -43,7 +43,7 @@ from freebody.motion.simulation.prepared_simulation import (
     some_of,
 )
 from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.stiffness import StiffnessWatch
+from freebody.motion.simulation.stiffness import LongRun, StiffnessWatch
 from freebody.motion.simulation.unending import stopping_endless, too_late, unless_hopeless
 from freebody.trees.special_joints import all_driven
 
@@ -185,7 +185,7 @@ class _OneMotion:
         The solver begins anew at each edge of the schedule, with the step that it had reached, and
         where the watch has found another method.
         """
-        t, watch = self.run.t, self.watch
+        t, watch, pace = self.run.t, self.watch, LongRun(self.run)
         self.states.append(y)
         first: float | None = None
         for k, (start, end) in enumerate(pairwise(self.schedule.edges)):
@@ -200,6 +200,7 @@ class _OneMotion:
                 if solver.status == "failed" or not np.isfinite(solver.y).all():
                     _refuse(self.scheme, method, before, message)
                 self.passed(before, solver.t, solver.y)
+                pace.step(solver.t)
                 self.states += _reached(solver, self.scheme, t[(t > before) & (t <= solver.t)])
                 self.run.tell((solver.t - t[0]) / (t[-1] - t[0]))
                 if watch.steps(method):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -40,6 +40,12 @@ _BENT = 0.03
 """Step times decay rate from which the bends of smooth friction keep a step short, if it makes the
 rate twice as fast."""
 _SEEN, _LOOKS = 10, 500
+_BLOCK, _LOOKED_AT = 1000, 10
+"""Steps of one motion between two looks at how many follow, and how many looks there are."""
+_STEADY = 1.5
+"""How much further a block of steps may lead than the one before, for the same pace."""
+_LONG, _ENDLESS = 5e4, 1e7
+"""Steps that take minutes, and those of runs that are given up anyway."""
 
 
 @dataclass
@@ -81,6 +87,50 @@ class StiffnessWatch:
                 f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
                 f"takes far fewer.",
             )
+
+
+@dataclass(eq=False)
+class LongRun:
+    """An occasional look at how many steps of one motion follow; a warning tells of very many at a
+    pace that does not grow, as it does behind a transient."""
+
+    run: Simulation
+    steps: int = 0
+    pace: float = np.nan
+    """How far the block of steps before led, s; NaN: there is none."""
+    reached: float = field(init=False)
+    """The time at the last look."""
+
+    def __post_init__(self) -> None:
+        self.reached = float(self.run.t[0])
+
+    def step(self, now: float) -> None:
+        """Count a step that has reached the time `now`."""
+        self.steps += 1
+        if self.steps % _BLOCK or self.steps > _LOOKED_AT * _BLOCK:
+            return
+        pace = now - self.reached
+        left = _BLOCK * (self.run.t[-1] - now) / pace
+        if pace <= _STEADY * self.pace and _LONG < left < _ENDLESS:
+            self.steps = _LOOKED_AT * _BLOCK  # said once
+            warn(
+                f"simulate: {_BLOCK} steps led from t = {self.reached:.6g} to {now:.6g} s, and at "
+                f"this pace {left:.1g} more follow, which takes minutes. {self._remedy()}"
+            )
+        self.reached, self.pace = now, pace
+
+    def _remedy(self) -> str:
+        run = self.run
+        _, friction = smooth_friction(run.model)
+        if not friction.acts:
+            return "A larger tolerance= takes fewer; so does method='rk4' with step=."
+        compiled = not callable(run.torque) or isinstance(run.torque, CompiledTorque)
+        steps = compiled or run.sample_time is not None
+        equal = "method='implicit' with step=, " if steps else ""
+        return (
+            f"Smooth dry friction, which changes within friction_width = {run.width:g}, keeps "
+            f"steps short: {equal}a larger tolerance= or a larger friction_width= takes fewer."
+        )
 
 
 @dataclass(eq=False)
