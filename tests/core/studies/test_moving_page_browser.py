@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from support.browser import browser
+from support.browser import browser, touched
 from support.page_labels import computed
 from support.real_files import ROBOTS as ROBOTS_OF_WHEEL
 
@@ -55,6 +55,10 @@ SLIDE = """for (const [id, value] of Object.entries(arguments[0])) {
   slider.dispatchEvent(new Event('input'));
 }
 return [...document.querySelectorAll('[data-drive]')].map(r => r.cells[2].textContent)"""
+AT = """const element = document.getElementById(arguments[0]);
+element.scrollIntoView({block: 'center', behavior: 'instant'});
+const {left, top, width, height} = element.getBoundingClientRect();
+return [left + width / 2, top + height / 2, width]"""
 PIXELS = """const c = document.getElementById('canvas'), seen = new Set();
 const {data} = c.getContext('2d').getImageData(0, 0, c.width, c.height);
 for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
@@ -211,6 +215,28 @@ def test_keys_alone_suffice(study, page):
     page.execute_script(KEY, "canvas", " ")
     assert not page.execute_script("return player.playing")
     assert page.execute_script("return find('play').textContent") == "Play"
+
+
+@pytest.mark.sample(1)
+def test_fingers_turn_and_enlarge_the_robot_and_the_page_still_scrolls(study, page):
+    """Sideways one finger is the picture's, up and down the page's; two are the picture's."""
+
+    def moved(*fingers):
+        before = [*page.execute_script(VIEW), page.execute_script("return scrollY")]
+        touch(*fingers)
+        after = [*page.execute_script(VIEW), page.execute_script("return scrollY")]
+        changed = np.array(after) != before
+        return changed[:-2].any(), changed[-2], changed[-1]
+
+    with touched(page) as touch:
+        x, y, _ = page.execute_script(AT, "canvas")
+        assert moved(*[[(x + d, y)] for d in range(0, 90, 15)]) == (True, False, False)
+        assert moved(*[[(x - d, y), (x + d, y)] for d in range(20, 80, 15)])[1:] == (True, False)
+        assert moved(*[[(x, y - d)] for d in range(0, 90, 15)])[1:] == (False, True)
+        x, y, wide = page.execute_script(AT, "time")
+        touch([(x + wide / 4, y)])
+    k, count = page.execute_script("return [player.k, player.t.length]")
+    assert abs(k / (count - 1) - 0.75) < 0.05
 
 
 def test_it_plays_by_the_clock(study, page):
