@@ -295,6 +295,56 @@ def test_names_stand_on_no_other(page):
     assert page.execute_script(LABELS) == []
 
 
+TOGETHER = """return player.robots.map(({q, stage: {camera, canvas}}) =>
+  [q.map(x => [...x]), camera.azimuth, camera.aside[0], canvas.toDataURL()])"""
+
+
+@pytest.mark.sample(1)
+def test_robots_beside_each_other_move_by_one_cursor_and_are_turned_together(
+    study, chromium, tmp_path
+):
+    quick = fb.study(study.model, study.motion, speed=2.0)
+    path = fb.compare({"as given": study, "quick": quick}).to_html(tmp_path / "index.html")
+    assert path.stat().st_size < LARGEST
+    chromium.get_log("performance")
+    chromium.get(path.as_uri())
+    chromium.execute_async_script(MOVING)
+    t = np.array(chromium.execute_script("return [...player.t]"))
+    drawn = chromium.execute_script(TOGETHER)
+    for (q, *_), one in zip(drawn, (study, quick), strict=True):
+        end = one.motion.duration
+        own = np.isin(t, one.motion.t) if study.model.loops else t <= end
+        assert np.abs(np.array(q)[own] - one.motion.at(t[own])[0]).max() < 1e-9
+        assert np.array_equal(np.array(q)[t >= end][-1], one.motion.q[-1])
+    k = int(np.flatnonzero(np.isin(t, study.motion.t) & np.isin(t, quick.motion.t))[-1])
+    chromium.execute_script(f"player.show({k})")
+    rows = chromium.execute_script(
+        "return [...document.querySelectorAll('.now tbody tr')].map(row =>"
+        "  [...row.querySelectorAll('[data-now]')].map(cell => cell.textContent))"
+    )
+    for row, name in zip(rows, study.model.driven_names, strict=True):
+        for told, one in zip(row, (study, quick), strict=True):
+            torque = one.data["tau"].sel(coordinate=name)
+            right = float(torque[np.flatnonzero(one.motion.t == t[k])[0]])
+            assert abs(number(told) - right) <= 1e-3 * float(np.abs(torque).max())
+    chromium.execute_script(f"player.show({len(t) - 1})")
+    assert chromium.find_element("css selector", "[data-end]").text.startswith("Its motion is over")
+    assert {x.text for x in chromium.find_elements("css selector", "tr td:last-child")} >= {"– N m"}
+    before = chromium.execute_script(TOGETHER)
+    assert chromium.execute_script(KEY, "canvas-0", "ArrowLeft")
+    for (_, *seen), (_, *others) in zip(before, chromium.execute_script(TOGETHER), strict=True):
+        assert seen[:2] != others[:2]
+        assert seen[2] != others[2]
+    requests = [json.loads(x["message"])["message"] for x in chromium.get_log("performance")]
+    asked = [
+        x["params"]["request"]["url"]
+        for x in requests
+        if x["method"] == "Network.requestWillBeSent"
+    ]
+    assert asked == [path.as_uri()]
+    assert chromium.get_log("browser") == []
+
+
 def test_the_page_stands_still_without_scripts_and_on_paper(study, path, chromium):
     shown = """return [...document.querySelectorAll('.still, .moving')].map(e =>
       [e.className.split(' ')[0], e.getBoundingClientRect().height > 0])"""

@@ -123,6 +123,7 @@ class Cursor {
       svg.addEventListener("pointerdown", hover);
     }
     this.rows = [...document.querySelectorAll("[data-now]")].map((cell) => ({cell, column: columns[Number(cell.dataset.now)]}));
+    this.ends = [...document.querySelectorAll("[data-end]")].map((words) => ({words, end: Number(words.dataset.end)}));
     this.slider = find("time");
     Object.assign(this.slider, {min: 0, max: t.length - 1, step: 1});
     this.slider.addEventListener("input", () => { this.pause(); this.show(Number(this.slider.value)); });
@@ -155,6 +156,7 @@ class Cursor {
     this.slider.setAttribute("aria-valuetext", `${this.t[k].toFixed(3)} s`);
     find("instant").textContent = `${this.t[k].toFixed(3)} s`;
     for (const {cell, column} of this.rows) cell.textContent = Number.isNaN(column.values[k]) ? "–" : onCurve(column.values[k], column.largest);
+    for (const {words, end} of this.ends) words.hidden = this.t[k] <= end;
     this.read();
     this.work.push(performance.now() - start);
     if (this.work.length > 600) this.work.shift();
