@@ -23,6 +23,28 @@ SAID = {"Right": "right", "Not r": "wrong", "Canno": "unread", "Not d": "undecid
 
 
 @contextmanager
+def touched(driver):
+    """touch(places, places, …) with a browser that has a touch screen: fingers at places of the
+    window, then at others, then lifted."""
+    driver.execute_cdp_cmd(
+        "Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2}
+    )
+
+    def touch(*moves):
+        kinds = ["touchStart", *["touchMove"] * (len(moves) - 1), "touchEnd"]
+        for kind, fingers in zip(kinds, [*moves, []], strict=True):
+            points = [{"x": float(x), "y": float(y), "id": k} for k, (x, y) in enumerate(fingers)]
+            driver.execute_cdp_cmd(
+                "Input.dispatchTouchEvent", {"type": kind, "touchPoints": points}
+            )
+
+    try:
+        yield touch
+    finally:
+        driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+
+
+@contextmanager
 def browser(profile):
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service

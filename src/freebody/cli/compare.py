@@ -41,15 +41,14 @@ def compare(
     if kind not in (".html", ".pdf"):
         raise FreebodyError(f"--out is {out.name!r}, expected an .html or .pdf file.")
     with terminal.progress("reading") as progress:
-        from freebody.report.comparison import compare as compare_studies
+        from freebody.report.comparison import compared
 
         named = list(map(_named, cases))
         studies: list[Any] = []
         for k, (_, text) in enumerate(named):
             progress(f"study {k + 1} of {len(named)}", k / len(named))
             studies.append(_studied(text))
-        names = [name for name, _ in named]
-        found = compare_studies(_by_name(names, studies) if any(names) else studies)
+        found = compared(_names(named), studies)
         progress("page", 0.95)
         written = found.to_html(out) if kind == ".html" else found.to_pdf(out)
     terminal.table(found._table())
@@ -62,13 +61,11 @@ def _named(case: str) -> tuple[str, str]:
     return (name.strip(), rest) if separator else ("", case)
 
 
-def _by_name(names: list[str], studies: list[Any]) -> dict[str, Any]:
-    """Studies by name, those without one by their numbers."""
-    called = [name or f"study {k}" for k, name in enumerate(names, 1)]
-    found = dict(zip(called, studies, strict=True))
-    if len(found) < len(studies):
-        raise FreebodyError("compare: two cases have one name; give each its own.")
-    return found
+def _names(named: list[tuple[str, str]]) -> list[str] | None:
+    """The names of the cases, of those without one their numbers; None where none has a name."""
+    if not any(name for name, _ in named):
+        return None
+    return [name or f"study {k}" for k, (name, _) in enumerate(named, 1)]
 
 
 def _studied(case: str) -> Study | CycleStudy:

@@ -25,7 +25,7 @@ _PALETTE = {
     "soft dimension": "#66707d #9aa5b1", "faint": "#c9d0d8 #48525e", "hair": "#e6eaee #2a313a",
     "link": "#dfe6ee #2d3947", "link-edge": "#4a5a6e #9db0c6", "link-far": "#eff3f6 #20272f",
     "link-far-edge": "#9aa7b5 #5d6b7a", "joint-side": "#9fb2c8 #53677e",
-    "ghost": "#c3cdd8 #3b4754", "shadow": "#e4e8ec #20262d", "path external": "#c4570a #f2a15f",
+    "ghost": "#c3cdd8 #3b4754", "shadow": "#e4e8ec #20262d", "path external": "#c2560a #f2a15f",
     "reaction z s0": "#1459b8 #7db0ff", "moment s3": "#b01e5c #ff86b3",
     "weight y": "#2b7a3d #74cf8a", "inertia": "#7d8792 #8b96a3", "velocity": "#0b7d8c #55d0e0",
     "acceleration s4": "#7048c6 #b79cff", "solid": "#edf1f5 #232b35", "x": "#c22f2f #ff8a80",

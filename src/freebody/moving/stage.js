@@ -2,16 +2,16 @@
 
 class Stage {
   // place(q, frames) is the robot's kernel; notes(stage) draws more on the stage's sheet; least: units
-  // that the drawing is wide at least.
-  constructor(canvas, svg, scene, bodies, place, {notes = () => {}, least = 0} = {}) {
+  // that the drawing is wide at least; camera: one that other stages see by too; turned() draws what it sees.
+  constructor(canvas, svg, scene, bodies, place, {notes = () => {}, least = 0, camera = new Camera(scene), turned = () => this.draw()} = {}) {
     Object.assign(this, {canvas, svg, scene, place, notes, size: scene.size, path: []});
     this.frames = new Float64Array(FRAME * (bodies + 1));
     this.frames.set([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
     this.own = this.frames.subarray(FRAME);
-    [this.solids, this.camera, this.floor] = [new Solids(scene.solids), new Camera(scene), new Floor(scene)];
+    [this.solids, this.camera, this.floor] = [new Solids(scene.solids), camera, new Floor(scene)];
     this.surface = new Surface(canvas, svg, scene, () => this.draw(), least);
     this.resize();
-    turnable(canvas, this.camera, () => this.draw());
+    turnable(canvas, camera, turned);
   }
   get sheet() { return this.surface.sheet; }
   // Fits the view to the canvas; whether that has a size.

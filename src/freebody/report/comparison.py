@@ -14,6 +14,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, listed
+from freebody.model.named_numbers import ModelParameter, parameters
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -34,6 +35,10 @@ _ALIKE = 5e-4
 
 _SAME = 1e-9
 """rad, m: motions that differ by less are the same."""
+
+
+_NUMBERS = 8
+"""Numbers of robots that are told where they differ."""
 
 
 class CaseRow(NamedTuple):
@@ -243,7 +248,15 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> StudyComparison:
         raise FreebodyError(
             "compare: studies are a list of studies, or a mapping from names to studies."
         )
-    given = list(studies.values() if isinstance(studies, Mapping) else studies)
+    if isinstance(studies, Mapping):
+        return compared([str(name) for name in studies], list(studies.values()))
+    return compared(None, studies)
+
+
+def compared(names: Sequence[str] | None, studies: Sequence[Study]) -> StudyComparison:
+    """Studies beside each other, which have names of their own or, with None, are called after what
+    differs. Refuses what `compare` refuses."""
+    given = list(studies)
     for k, study in enumerate(given):
         if not isinstance(study, Study):
             raise FreebodyError(
@@ -254,10 +267,11 @@ def compare(studies: Mapping[str, Study] | Sequence[Study]) -> StudyComparison:
         raise FreebodyError(
             f"compare: {counted(len(given), 'study')} given, expected {_FEWEST} to {_MOST}."
         )
-    names = _named(studies) if isinstance(studies, Mapping) else _called(given)
-    differences = tuple(one for one in _given(given) if len(set(one.each)) > 1)
+    called = _called(given) if names is None else _named(names)
+    described = [one for one in _given(given) if len(set(one.each)) > 1]
     drives, by_order = _beside(given)
-    return StudyComparison(names, tuple(given), differences, drives, by_order)
+    differences = (*described, *_unlike_numbers(given))
+    return StudyComparison(called, tuple(given), differences, drives, by_order)
 
 
 def _answer(row: CardRow, label: str) -> str:
@@ -281,6 +295,36 @@ def _given(studies: Sequence[Study]) -> list[CaseRow]:
     ]
 
 
+def _unlike_numbers(studies: Sequence[Study]) -> list[CaseRow]:
+    """The numbers in which robots differ that are made of the same parts, the first few; gravity
+    and loads are told in words."""
+    tables = [
+        {
+            one.name: _number_words(one)
+            for one in parameters(study.model)
+            if one.name != "g" and not one.name.startswith(("gravity.", "payload."))
+        }
+        for study in studies
+    ]
+    if any(table.keys() != tables[0].keys() for table in tables):
+        return []
+    rows = [CaseRow(name, tuple(table[name] for table in tables)) for name in tables[0]]
+    rows = [row for row in rows if len(set(row.each)) > 1]
+    further = len(rows) - _NUMBERS
+    if further > 0:
+        words = f"{further} more differ" if further > 1 else "1 more differs"
+        return [*rows[:_NUMBERS], CaseRow("further numbers", (words,) * len(studies))]
+    return rows
+
+
+def _number_words(one: ModelParameter) -> str:
+    """A number of a robot with its unit, "none" where it is infinite or not given."""
+    value = float("nan") if one.value is None else float(one.value)
+    if not math.isfinite(value):
+        return "none"
+    return f"{value:.4g}".replace("-", "−") + ("" if one.unit == "1" else f" {one.unit}")
+
+
 def _motion_words(study: Study, first: Study) -> str:
     """Words on a motion, which differ from the first's where the motion does."""
     own, other = study.motion, first.motion
@@ -297,9 +341,9 @@ def _alike(a: Motion, b: Motion) -> bool:
     return 2 * len(both) > len(a.t) and np.allclose(a.q[i], b.q[j], rtol=0.0, atol=_SAME)
 
 
-def _named(studies: Mapping[str, Study]) -> tuple[str, ...]:
+def _named(given: Sequence[str]) -> tuple[str, ...]:
     """The names of studies as they were given; refuses those by which nobody tells them apart."""
-    names = tuple(str(name).strip() for name in studies)
+    names = tuple(name.strip() for name in given)
     for name in names:
         if not name:
             raise FreebodyError("compare: a study is named ''; give it a word.")

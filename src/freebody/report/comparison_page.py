@@ -4,6 +4,7 @@ curves over each other."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,21 +12,21 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.figures.plots import Plot, plot
+from freebody.report.comparison_motion import moving_comparison
 from freebody.report.page import filled
-from freebody.report.page_figures import CaptionedDrawing, robot
+from freebody.report.page_figures import CaptionedDrawing, numbered, robot
 from freebody.report.tables import Cell, Head, ReportTable, WordsCell, table, typeset
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from freebody.report.comparison import CaseRow, Compared, DriveRow, StudyComparison
+    from freebody.report.comparison import Compared, DriveRow, StudyComparison
     from freebody.report.study import Study
 
 _CONTENTS = (
     ("differences", "What differs"),
-    ("verdicts", "Verdicts"),
-    ("drives", "Drives"),
     ("robots", "Robots"),
+    ("drives", "Drives"),
     ("torques", "Torques"),
     ("speeds", "Speeds"),
     ("power", "Power"),
@@ -34,24 +35,59 @@ _CONTENTS = (
 
 def comparison_page(found: StudyComparison) -> str:
     """The HTML text of a comparison's page."""
-    pairs = list(zip(found.names, found.studies, strict=True))
     alike = [one.title for one in found.quantities if found.alike(one)]
+    plots, over_time = numbered(
+        {
+            "torques": list(_over_time(found, "tau", "effort_unit", limited=True)),
+            "speeds": list(_over_time(found, "qd", "unit", suffix="/s")),
+            "power": _power(found),
+        }
+    )
+    moving = moving_comparison(found, over_time)
     return filled(
         "comparison.html",
+        scripts=(moving.script,),
+        moving=moving,
         found=found,
         contents=_CONTENTS,
         math_style="",
-        differences=_words("What differs", found, found.differences),
-        answers=_words("What each can do on its path", found, found.answers),
-        verdicts=pairs,
-        robots=[(name, robot(study)) for name, study in pairs],
+        robot=_only([study.model.name for study in found.studies]),
+        differences=_differences(found),
+        robots=[
+            ComparedRobot(name, study, robot(study), end)
+            for name, study, end in zip(found.names, found.studies, moving.ends, strict=True)
+        ],
         drives=[_drives(found, one) for one in found.quantities if one.title not in alike],
         alike=listed(alike),
-        torques=list(_over_time(found, "tau", "effort_unit", limited=True)),
-        speeds=list(_over_time(found, "qd", "unit", suffix="/s")),
-        power=_power(found),
+        plots=plots,
         apart=_apart(found),
     )
+
+
+@dataclass(frozen=True)
+class ComparedRobot:
+    """A robot beside others on the page: its name, its study, how it is drawn still, and the end of
+    its motion (s) where others go on."""
+
+    name: str
+    study: Study
+    still: CaptionedDrawing
+    end: float | None
+
+    @property
+    def tone(self) -> str:
+        """The class of its verdict, by which the page colours it."""
+        return _tone(self.study)
+
+
+def _tone(study: Study) -> str:
+    good = study.verdict.good
+    return "ok" if good and study.verdict.outcome == "feasible" else "" if good else "bad"
+
+
+def _only(names: Sequence[str]) -> str:
+    """The name that all have; empty where they differ."""
+    return names[0] if len(set(names)) == 1 else ""
 
 
 def _apart(found: StudyComparison) -> str:
@@ -60,11 +96,19 @@ def _apart(found: StudyComparison) -> str:
     return f" Not drawn, since one turns and one slides: {rows}." if rows else ""
 
 
-def _words(caption: str, found: StudyComparison, given: Sequence[CaseRow]) -> ReportTable:
-    """A table of words, a column a study."""
-    subjects = [WordsCell(one.what, strong=True) for one in given]
-    columns = [[WordsCell(typeset(one.each[k])) for one in given] for k in range(len(found.names))]
-    return table(caption, _heads(found), [subjects, *columns])
+def _differences(found: StudyComparison) -> ReportTable:
+    """The table of what differs and what comes of it, a column a study."""
+    subjects = [WordsCell(x.what, strong=True) for x in (*found.differences, *found.answers)]
+    subjects.insert(len(found.differences), WordsCell("verdict", strong=True))
+    columns = []
+    for k, study in enumerate(found.studies):
+        given, answers = (
+            [WordsCell(typeset(one.each[k]), css="said") for one in rows]
+            for rows in (found.differences, found.answers)
+        )
+        verdict = WordsCell(study.verdict.heading, css=f"said {_tone(study)}")
+        columns.append([*given, verdict, *answers])
+    return table("What differs, and what comes of it", _heads(found), [subjects, *columns])
 
 
 def _heads(found: StudyComparison, numbers: bool = False) -> list[Head]:

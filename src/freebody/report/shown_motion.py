@@ -47,11 +47,6 @@ class ShownMotion:
         """The number of the instant that is nearest to a time."""
         return int(np.argmin(np.abs(self.t - time)))
 
-    def curve(self, values: Array) -> NDArray[np.float32]:
-        """A curve (T,) at the instants that are shown; between samples it is straight, as it is
-        drawn."""
-        return np.interp(self.t, self.samples, np.asarray(values, dtype=float)).astype(np.float32)
-
 
 def shown_motion(study: Study, times: Sequence[float], samples: Sequence[int]) -> ShownMotion:
     """The motion of a study at some times and samples of their own, and at others evenly apart.

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from support.browser import browser
+from support.browser import browser, touched
 from support.page_labels import computed
 from support.real_files import ROBOTS as ROBOTS_OF_WHEEL
 
@@ -55,6 +55,10 @@ SLIDE = """for (const [id, value] of Object.entries(arguments[0])) {
   slider.dispatchEvent(new Event('input'));
 }
 return [...document.querySelectorAll('[data-drive]')].map(r => r.cells[2].textContent)"""
+AT = """const element = document.getElementById(arguments[0]);
+element.scrollIntoView({block: 'center', behavior: 'instant'});
+const {left, top, width, height} = element.getBoundingClientRect();
+return [left + width / 2, top + height / 2, width]"""
 PIXELS = """const c = document.getElementById('canvas'), seen = new Set();
 const {data} = c.getContext('2d').getImageData(0, 0, c.width, c.height);
 for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
@@ -213,6 +217,28 @@ def test_keys_alone_suffice(study, page):
     assert page.execute_script("return find('play').textContent") == "Play"
 
 
+@pytest.mark.sample(1)
+def test_fingers_turn_and_enlarge_the_robot_and_the_page_still_scrolls(study, page):
+    """Sideways one finger is the picture's, up and down the page's; two are the picture's."""
+
+    def moved(*fingers):
+        before = [*page.execute_script(VIEW), page.execute_script("return scrollY")]
+        touch(*fingers)
+        after = [*page.execute_script(VIEW), page.execute_script("return scrollY")]
+        changed = np.array(after) != before
+        return changed[:-2].any(), changed[-2], changed[-1]
+
+    with touched(page) as touch:
+        x, y, _ = page.execute_script(AT, "canvas")
+        assert moved(*[[(x + d, y)] for d in range(0, 90, 15)]) == (True, False, False)
+        assert moved(*[[(x - d, y), (x + d, y)] for d in range(20, 80, 15)])[1:] == (True, False)
+        assert moved(*[[(x, y - d)] for d in range(0, 90, 15)])[1:] == (False, True)
+        x, y, wide = page.execute_script(AT, "time")
+        touch([(x + wide / 4, y)])
+    k, count = page.execute_script("return [player.k, player.t.length]")
+    assert abs(k / (count - 1) - 0.75) < 0.05
+
+
 def test_it_plays_by_the_clock(study, page):
     """A second of the motion takes a second; what a frame works is told by the page."""
     start = page.execute_script("player.show(0); return player.k")
@@ -267,6 +293,56 @@ def test_what_python_did_not_write_is_not_offered(study, page):
 
 def test_names_stand_on_no_other(page):
     assert page.execute_script(LABELS) == []
+
+
+TOGETHER = """return player.robots.map(({q, stage: {camera, canvas}}) =>
+  [q.map(x => [...x]), camera.azimuth, camera.aside[0], canvas.toDataURL()])"""
+
+
+@pytest.mark.sample(1)
+def test_robots_beside_each_other_move_by_one_cursor_and_are_turned_together(
+    study, chromium, tmp_path
+):
+    quick = fb.study(study.model, study.motion, speed=2.0)
+    path = fb.compare({"as given": study, "quick": quick}).to_html(tmp_path / "index.html")
+    assert path.stat().st_size < LARGEST
+    chromium.get_log("performance")
+    chromium.get(path.as_uri())
+    chromium.execute_async_script(MOVING)
+    t = np.array(chromium.execute_script("return [...player.t]"))
+    drawn = chromium.execute_script(TOGETHER)
+    for (q, *_), one in zip(drawn, (study, quick), strict=True):
+        end = one.motion.duration
+        own = np.isin(t, one.motion.t) if study.model.loops else t <= end
+        assert np.abs(np.array(q)[own] - one.motion.at(t[own])[0]).max() < 1e-9
+        assert np.array_equal(np.array(q)[t >= end][-1], one.motion.q[-1])
+    k = int(np.flatnonzero(np.isin(t, study.motion.t) & np.isin(t, quick.motion.t))[-1])
+    chromium.execute_script(f"player.show({k})")
+    rows = chromium.execute_script(
+        "return [...document.querySelectorAll('.now tbody tr')].map(row =>"
+        "  [...row.querySelectorAll('[data-now]')].map(cell => cell.textContent))"
+    )
+    for row, name in zip(rows, study.model.driven_names, strict=True):
+        for told, one in zip(row, (study, quick), strict=True):
+            torque = one.data["tau"].sel(coordinate=name)
+            right = float(torque[np.flatnonzero(one.motion.t == t[k])[0]])
+            assert abs(number(told) - right) <= 1e-3 * float(np.abs(torque).max())
+    chromium.execute_script(f"player.show({len(t) - 1})")
+    assert chromium.find_element("css selector", "[data-end]").text.startswith("Its motion is over")
+    assert {x.text for x in chromium.find_elements("css selector", "tr td:last-child")} >= {"– N m"}
+    before = chromium.execute_script(TOGETHER)
+    assert chromium.execute_script(KEY, "canvas-0", "ArrowLeft")
+    for (_, *seen), (_, *others) in zip(before, chromium.execute_script(TOGETHER), strict=True):
+        assert seen[:2] != others[:2]
+        assert seen[2] != others[2]
+    requests = [json.loads(x["message"])["message"] for x in chromium.get_log("performance")]
+    asked = [
+        x["params"]["request"]["url"]
+        for x in requests
+        if x["method"] == "Network.requestWillBeSent"
+    ]
+    assert asked == [path.as_uri()]
+    assert chromium.get_log("browser") == []
 
 
 def test_the_page_stands_still_without_scripts_and_on_paper(study, path, chromium):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from support.browser import browser
+from support.browser import browser, touched
 from support.command import run
 
 pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("numpy_kernels")]
@@ -219,6 +219,16 @@ def test_the_tip_is_pulled_by_hand_and_by_numbers(model, page):
     q = np.array(page.execute_script(STATE)[0])
     assert (q >= model.limits.lower - 1e-12).all()
     assert (q <= model.limits.upper + 1e-12).all()
+
+
+@pytest.mark.sample(1)
+def test_a_finger_drags_a_link_and_the_page_stays(model, page):
+    before = page.execute_script(STATE)[0]
+    x, y = page.execute_script(PLACE, page.execute_script(GRABBED))
+    with touched(page) as touch:
+        touch(*[[(x + d, y + 2 * d)] for d in range(0, 20, 4)])
+    assert page.execute_script(STATE)[0] != before
+    assert page.execute_script("return scrollY") == 0
 
 
 def test_branches_lead_to_the_same_pose(model, page):

@@ -72,6 +72,7 @@ class WhatIf {
     for (const [id, text] of [["load", `${significant(load)} kg`], ["pace", `${pace.toFixed(2)}×`], ["tilt", `${tilt}°`.replace("-", "\u2212")]]) if (find(id)) find(`${id}-now`).textContent = text;
     find("as-given").disabled = plain;
     this.found = plain ? this.given : this.compute(load, pace, tilt);
+    this.player.robot.pace = pace;
     document.documentElement.classList.toggle("otherwise", !plain);
     this.tell();
     for (const {coordinate, effort, speed} of this.drives) {
