@@ -64,7 +64,7 @@ class Packages:
             candidates += [place / inside for place in above]
         else:
             return None
-        return next((path for path in candidates if path.is_file()), None)
+        return next((path for path in candidates if _is_file(path)), None)
 
     @cached_property
     def readable(self) -> tuple[Path, ...]:
@@ -117,6 +117,13 @@ def _inside(place: Path) -> list[Path]:
         return sorted(Path(entry.path) for entry in found if entry.is_dir())
     except OSError:
         return []
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name that is too long
+        return False
 
 
 def _named(folder: Path) -> str | None:

@@ -277,7 +277,7 @@ class Elements:
             notices.append(
                 Notice(
                     "skipped",
-                    f"shapes play no part in the dynamics: {listed} are not read.",
+                    f"shapes play no part in the dynamics: {listed} serve drawings, or nothing.",
                     self.file,
                 )
             )

@@ -17,7 +17,7 @@ from freebody.figures.plots import Plot, axes_of
 from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import joint_axes, scene
-from freebody.moving.shape_solids import drawn_as
+from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.page_script import joined, packed, packed_numbers
 from freebody.report.page_figures import TOTAL
 from freebody.report.shown_motion import ShownMotion, shown_motion
@@ -93,7 +93,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     drawn = [_plotted(plot, columns, efforts) for plot in plots]
     rows = tuple(_rows(study, columns, drives, shown))
     what, arrows = what_if(study, shown), _arrows(study, columns)
-    bodies = drawn_as(study.model)
+    bodies = drawn_shapes(study.model).words
     instants = tuple(
         Instant(k, f"{shown.t[k]:.3g}", words)
         for k, words in ((shown.index(time), words) for time, words in marks)
