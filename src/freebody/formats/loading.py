@@ -19,8 +19,8 @@ from freebody.model.description import RobotDescription
 from freebody.model.dh import Convention
 from freebody.model.doubts import Doubt, tied
 from freebody.model.model import Model
-from freebody.model.shapes import Shape
 from freebody.model.parameters import real
+from freebody.model.shapes import Shape
 
 TEMPLATE = "template:"
 """Text that stands before a template's name, where a robot is named."""

@@ -375,7 +375,7 @@ def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
             file,
             shape.line,
             f"link {link.name!r}: of its mesh the outermost points alone are known, from which no "
-            f"inertia is estimated; MuJoCo does it where the file says inertiafromgeom=\"true\".",
+            f'inertia is estimated; MuJoCo does it where the file says inertiafromgeom="true".',
         )
     path = packages.located(shape.file)
     if path is None:

@@ -37,7 +37,11 @@ def mesh_corners(path: Path) -> Array:
         raise FileError(path, None, f"a mesh is of the formats {', '.join(FORMATS)}.")
     data = contents(path, _LARGEST, "a mesh that is drawn")
     own = _CORNERS.get(suffix)
-    found = own(data, path) if own else np.asarray(opened(data, path, f"a mesh in {suffix}").vertices, dtype=float)
+    found = (
+        own(data, path)
+        if own
+        else np.asarray(opened(data, path, f"a mesh in {suffix}").vertices, dtype=float)
+    )
     if found.ndim != 2 or found.shape[1:] != (3,) or not len(found):
         raise FileError(path, None, "there are no triangles in it.")
     if not (np.abs(found) < _FARTHEST).all():  # NaN neither

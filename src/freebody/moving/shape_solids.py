@@ -25,6 +25,7 @@ from freebody.spatial import of_dimension
 
 _ROUND = 24  # sides of a cylinder
 _TOLD = 4  # names in a sentence
+_REASONS = 12
 _BEYOND = 20.0
 """Times the reach of the robot beyond which a mesh is of another unit than its file says."""
 _SOUGHT = "not found beside the robot's file, above it or in the folders of packages"
@@ -168,7 +169,7 @@ class DrawnShapes:
             by_reason.setdefault(reason, []).append(shown(name.rpartition("/")[2]))
         told = [f"{_names(names)} ({reason})" for reason, names in by_reason.items()]
         if told:
-            yield f"Meshes that are not drawn: {listed(told, _TOLD)}."
+            yield f"Meshes that are not drawn: {listed(told, _REASONS)}."
 
 
 def drawn_shapes(model: Model) -> DrawnShapes:
@@ -233,9 +234,7 @@ def _capsule(body: int, size: tuple[float, ...], R: Array, p: Array) -> DrawnSol
 def _ellipsoid(body: int, size: tuple[float, ...], R: Array, p: Array) -> DrawnSolid:
     x, y, z = size
     ends, first = _ends(body, R, p, z), _side(body, R)
-    return DrawnSolid(
-        ends, x, "link", bodies=_own(body), across=first, ratio=y / x, oval=True
-    )
+    return DrawnSolid(ends, x, "link", bodies=_own(body), across=first, ratio=y / x, oval=True)
 
 
 def _box(body: int, size: tuple[float, ...], R: Array, p: Array) -> DrawnSolid:

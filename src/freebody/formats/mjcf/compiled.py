@@ -18,9 +18,7 @@ ONE_POINT = 1e-9
 SOLIDS = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
 SHOWN = 3
 """Groups of geoms that MuJoCo's viewer shows when it opens: 0, 1, 2."""
-LINES = [
-    (a, b, c) for a in (0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1) if (a, b, c) > (0, 0, 0)
-]
+LINES = [(a, b, c) for a in (0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1) if (a, b, c) > (0, 0, 0)]
 """Directions to the faces, edges and corners of a cube from its middle, one of each two opposite
 ones."""
 EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
@@ -139,8 +137,8 @@ def sites(m, mujoco):
 
 
 def geoms(m, mujoco):
-    """Each geom's body and pose there, its form, half sizes (m), outermost points of a mesh (m), and
-    whether it is seen in MuJoCo's viewer as that opens."""
+    """Each geom's body and pose there, its form, half sizes (m), the outermost points of a mesh
+    (m), and whether it is seen in MuJoCo's viewer as that opens."""
     kinds = mujoco.mjtGeom
     names = {int(getattr(kinds, f"mjGEOM_{x.upper()}")): x for x in SOLIDS}
     mesh, seen, points = int(kinds.mjGEOM_MESH), {}, []

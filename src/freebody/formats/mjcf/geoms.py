@@ -23,9 +23,12 @@ _SIZES: dict[SolidKind, Callable[..., tuple[float, ...]]] = {
 def shapes_of(
     geoms: Sequence[dict[str, Any]], placed: Callable[[Any, Any], Placement]
 ) -> Iterator[Shape]:
-    """The shapes of a body's geoms. placed: from a position and a quaternion in the body's frame to the
-    placement in its link's. What a viewer shows counts as visual, whether or not it collides, all
-    else as collision; planes, height fields and what has no sizes are no shapes of a robot."""
+    """The shapes of a body's geoms. placed: from a position and a quaternion in the body's frame to
+    the placement in its link's.
+
+    What a viewer shows counts as visual, whether or not it collides, all else as collision; planes
+    and height fields are no shapes of a robot.
+    """
     for geom in geoms:
         if not all(map(math.isfinite, (*geom["pos"], *geom["quat"]))):
             continue
