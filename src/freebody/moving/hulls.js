@@ -2,7 +2,7 @@
 
 const CREASE = 0.75;
 class Hull {
-  constructor([role, a, b, corners, faces, bodies]) {
+  constructor([role, a, b, radius, corners, faces, bodies]) {
     const places = triples(corners), sides = triples(faces);
     const normals = sides.map(([i, j, k]) => unit(cross(minus(places[j], places[i]), minus(places[k], places[i]))));
     const around = (corner, own) => unit(sides.reduce((sum, side, k) => (side.includes(corner) && dot(normals[k], own) > CREASE ? plus(sum, normals[k]) : sum), [0, 0, 0]));

@@ -43,8 +43,10 @@ class DrawnHull:
     def data(self) -> list[Any]:
         """The hull as a page reads it."""
         corners = [rounded(x) for x in self.corners.ravel()]
+        sides = np.sort(self.corners.max(axis=0) - self.corners.min(axis=0))
+        radius = rounded(sides[:2].sum() / 4)  # by which it is grabbed
         places = (end.data for end in self.ends)
-        return ["link", *places, corners, self.faces.ravel().tolist(), list(self.bodies)]
+        return ["link", *places, radius, corners, self.faces.ravel().tolist(), list(self.bodies)]
 
 
 def hull(frame: int, points: Sequence[Array], bodies: tuple[int, ...] = ()) -> DrawnHull | None:

@@ -144,12 +144,12 @@ def scene(model: Model, q: Array) -> Scene:
     seen, anchors = snapshot(model, rows[0], still, still), BodyAnchors(model, rows[0])
     size, flat, labels = extent(poses), model.dim == 2, LabelTexts()
     box = box_of(poses, size)
-    shapes = drawn_shapes(model).solids
-    fitted = FittedSolids(seen.pose, size, anchors, own=shapes)
+    shapes = drawn_shapes(model)
+    fitted = FittedSolids(seen.pose, size, anchors, own=shapes.unbarred)
     tip = seen.pose.tip
     return Scene(
         model.dim,
-        (*fitted.all(), *chain.from_iterable(shapes.values())),
+        (*fitted.all(), *chain.from_iterable(shapes.solids.values())),
         box,
         size,
         FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)]),

@@ -15,6 +15,7 @@ from freebody.errors import FileError, MissingPackageError, listed, shown
 from freebody.formats.meshes import mesh_corners
 from freebody.formats.packages import Packages
 from freebody.lazy import cached_property, kept
+from freebody.model.doubt_rules.inertias import is_bare
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import Role, Shape
@@ -126,6 +127,13 @@ class DrawnShapes:
         return None
 
     @cached_property
+    def unbarred(self) -> set[int]:
+        """Indices of the bodies that no bar stands for: those that are drawn by shapes, and beside
+        such those that are nothing but a frame between two joints."""
+        frames = (k for k, body in enumerate(self._model.bodies) if is_bare(body))
+        return {*self.solids, *(frames if self.solids else ())}
+
+    @cached_property
     def hulls(self) -> list[DrawnHull]:
         """The hulls among the solids."""
         solids = (solid for body in self.solids.values() for solid in body)
@@ -140,7 +148,7 @@ class DrawnShapes:
     def _drawn_by(self) -> Iterator[str]:
         bodies = [body.name for body in self._model.bodies]
         shaped = [name for k, name in enumerate(bodies) if k in self.solids]
-        bare = [name for k, name in enumerate(bodies) if k not in self.solids]
+        bare = [name for k, name in enumerate(bodies) if k not in self.unbarred]
         if not shaped:
             yield "Bodies are drawn as bars between their joints."
         elif not bare:

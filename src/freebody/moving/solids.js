@@ -81,7 +81,7 @@ function wayInWorld(frames, [frame, x, y, z]) {
 // `end`, and triangles.
 class Solids {
   constructor(solids) {
-    this.solids = solids.map((one) => new (Array.isArray(one[3]) ? Hull : Solid)(one));
+    this.solids = solids.map((one) => new (Array.isArray(one[4]) ? Hull : Solid)(one));
     const first = [0];
     for (const solid of this.solids) first.push(first[first.length - 1] + solid.size);
     this.first = first;

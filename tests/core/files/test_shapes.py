@@ -225,8 +225,8 @@ def test_the_hull_of_a_mesh(name, tmp_path):
     mesh = f'<mesh filename="package://arm/meshes/{name}" scale="1 -1 2"/>'
     scene, words = studio(urdf(mesh), tmp_path)
     assert "Bodies are drawn by hulls of the file's meshes (1 hull, 1 kB)." in words
-    (drawn,) = [x for x in scene["solids"] if isinstance(x[3], list)]
-    role, first, second, corners, faces, bodies = drawn
+    (drawn,) = [x for x in scene["solids"] if isinstance(x[4], list)]
+    role, first, second, _, corners, faces, bodies = drawn
     assert (role, first[0], second[0], bodies) == ("link", 1, 1, [0])
     corners, faces = np.array(corners).reshape(-1, 3), np.array(faces).reshape(-1, 3)
     T = placed(fb.load(tmp_path / "arm.urdf").shapes[0][1])
@@ -271,7 +271,7 @@ def test_meshes_that_are_none_are_told(tmp_path):
     (tmp_path / "lost.stl").unlink()
     meshes = "".join(f'<mesh filename="{name}"/>' for name in WRONG)
     scene, words = studio(urdf(meshes), tmp_path)
-    assert not [x for x in scene["solids"] if isinstance(x[3], list)]
+    assert not [x for x in scene["solids"] if isinstance(x[4], list)]
     assert "Bodies are drawn as bars between their joints." in words
     for name, (_, reason) in WRONG.items():
         assert re.search(rf"'{name}'[^(]*\([^)]*{re.escape(reason)}\)", words)
@@ -284,6 +284,6 @@ def test_a_flat_mesh_has_a_hull(tmp_path):
     flat = CLOUD * [1, 0, 1]
     (tmp_path / "flat.stl").write_bytes(stl(flat))
     scene, _ = studio(urdf('<mesh filename="flat.stl"/>'), tmp_path)
-    (drawn,) = [x for x in scene["solids"] if isinstance(x[3], list)]
-    corners = np.array(drawn[3]).reshape(-1, 3)
+    (drawn,) = [x for x in scene["solids"] if isinstance(x[4], list)]
+    corners = np.array(drawn[4]).reshape(-1, 3)
     assert 0.0 < np.linalg.svd(corners - corners.mean(axis=0))[1][2] < 0.01
