@@ -46,10 +46,10 @@ class Stage {
   }
   // Widens the first view where the robot has left it.
   widen() {
-    const {camera} = this, places = this.solids.reach(this.frames), {wide, tall, scale} = camera;
+    const {camera} = this, places = this.solids.reach(this.frames), {wide, tall, scale, middle} = camera;
     if (!places.some((place) => { const [x, y] = camera.seen(place); return x < 0 || y < 0 || x > wide || y > tall; })) return;
-    const corners = [...camera.corners, ...places];
-    if (camera.fitting(corners, wide, tall).scale < scale) camera.corners = corners;
+    const corners = [...camera.corners, ...places], now = camera.fitting(corners, wide, tall);
+    if (now.scale < scale || length(minus(now.middle, middle)) > 0) camera.corners = corners;  // else the view is turned
     this.resize();
   }
   // The place on the sheet of one in the world, and that of one that is fixed in a frame.

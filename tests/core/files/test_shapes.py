@@ -11,6 +11,7 @@ import pytest
 import freebody as fb
 from support.command import run
 from support.extras import extra
+from support.helpers import homogeneous_of
 from support.page_data import page_scene
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -64,7 +65,7 @@ def test_shapes_of_mjcf_are_where_mujoco_has_them(seed, compiler):
     assert len(model.shapes) == theirs.ngeom - 1  # without the plane
     for k, (frame, shape) in enumerate(model.shapes, 1):
         assert shape.role == ("collision" if theirs.geom_group[k] > 2 else "visual")
-        T = fb.forward_kinematics(model, q, frame) @ placed(shape)
+        T = fb.forward_kinematics(model, q, frame) @ homogeneous_of(shape.placement)
         np.testing.assert_allclose(T[:3, 3], data.geom_xpos[k], atol=1e-12)
         np.testing.assert_allclose(T[:3, :3].ravel(), data.geom_xmat[k], atol=1e-12)
         if shape.kind == "hull":
@@ -78,19 +79,6 @@ def test_shapes_of_mjcf_are_where_mujoco_has_them(seed, compiler):
             own, half = shape.size, theirs.geom_size[k]
             factors = {"box": (2, 2, 2), "cylinder": (1, 2), "capsule": (1, 2)}
             np.testing.assert_array_equal(own, half[: len(own)] * factors.get(shape.kind, 1))
-
-
-def placed(shape) -> np.ndarray:
-    """The placement of a shape in its link's frame, (4, 4)."""
-    T = np.eye(4)
-    for step in shape.placement.steps:
-        by = np.eye(4)
-        if hasattr(step, "by"):
-            by[:3, 3] = step.by
-        else:
-            by[:3, :3] = step.matrix
-        T = T @ by
-    return T
 
 
 SDF = """<sdf version="1.9"><model name="arm"><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>
@@ -133,7 +121,7 @@ def test_shapes_of_sdf_are_where_drake_has_them():
         frame = plant.GetBodyFrameIdOrThrow(body.index())
         for role, kind in kinds.items():
             own = [x for at, x in model.shapes if at == name and x.role == role]
-            found = [placed(x) for x in own]
+            found = [homogeneous_of(x.placement) for x in own]
             poses = [
                 inspector.GetPoseInFrame(x).GetAsMatrix4()
                 for x in inspector.GetGeometries(frame, kind)
@@ -229,7 +217,7 @@ def test_the_hull_of_a_mesh(name, tmp_path):
     role, first, second, _, corners, faces, bodies = drawn
     assert (role, first[0], second[0], bodies) == ("link", 1, 1, [0])
     corners, faces = np.array(corners).reshape(-1, 3), np.array(faces).reshape(-1, 3)
-    T = placed(fb.load(tmp_path / "arm.urdf").shapes[0][1])
+    T = homogeneous_of(fb.load(tmp_path / "arm.urdf").shapes[0][1].placement)
     cloud = CLOUD.reshape(-1, 3).astype("<f4") * [1, -1, 2] @ T[:3, :3].T + T[:3, 3]
     assert len(faces) <= 48
     apart = np.linalg.norm(corners[:, None] - cloud, axis=-1)
