@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +39,7 @@ def mesh_corners(path: Path) -> Array:
     found = (
         own(data, path)
         if own
-        else np.asarray(opened(data, path, f"a mesh in {suffix}").vertices, dtype=float)
+        else np.asarray(opened(data, path, f"meshes in {suffix}").vertices, dtype=float)
     )
     if found.ndim != 2 or found.shape[1:] != (3,) or not len(found):
         raise FileError(path, None, "there are no triangles in it.")
@@ -57,7 +56,7 @@ def opened(data: bytes, path: Path, what: str) -> Any:
         raise MissingPackageError(what, "trimesh", "mesh") from None
     if path.suffix.lower() == ".dae":
         try:
-            import_module("collada")  # which trimesh needs
+            import collada  # noqa: F401  # pyright: ignore  (trimesh needs it)
         except ImportError:
             raise MissingPackageError(what, "pycollada", "mesh") from None
     try:

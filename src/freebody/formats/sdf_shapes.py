@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from freebody.errors import FileError, IncludedLine
 from freebody.formats.urdf_elements import XmlElement
-from freebody.model.shapes import SHAPE_KINDS, Role, Shape, SolidKind
+from freebody.model.shapes import SHAPE_KINDS, Shape, ShapeRole, SolidKind
 
 if TYPE_CHECKING:
     from freebody.formats.sdf import SdfReader
 
-_ROLES: tuple[Role, ...] = ("collision", "visual")
+_ROLES: tuple[ShapeRole, ...] = ("collision", "visual")
 _SIZES: dict[str, tuple[SolidKind, tuple[str, ...]]] = {
     "box": ("box", ("size",)),
     "cylinder": ("cylinder", ("radius", "length")),
@@ -38,7 +38,7 @@ def shapes_of(reader: SdfReader, link: XmlElement) -> Iterator[Shape]:
 
 
 def _shapes_in(
-    reader: SdfReader, link: XmlElement, element: XmlElement, role: Role
+    reader: SdfReader, link: XmlElement, element: XmlElement, role: ShapeRole
 ) -> Iterator[Shape]:
     where = f"<{role}> of link {link.name()!r}"
     for geometry in element.all("geometry"):
@@ -52,7 +52,7 @@ def _shapes_in(
 
 
 def _mesh(
-    reader: SdfReader, part: XmlElement, link: XmlElement, element: XmlElement, role: Role
+    reader: SdfReader, part: XmlElement, link: XmlElement, element: XmlElement, role: ShapeRole
 ) -> Shape:
     where = f"<{role}> of link {link.name()!r}"
     uri, scale = (reader.one(part, tag, where) for tag in ("uri", "scale"))

@@ -26,7 +26,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
-from freebody.model.shapes import SHAPE_KINDS, Role, Shape, SolidKind
+from freebody.model.shapes import SHAPE_KINDS, Shape, ShapeRole, SolidKind
 from freebody.spatial import unit
 
 TYPES = {
@@ -39,7 +39,7 @@ TYPES = {
     "planar": "planar",
 }
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_ROLES: tuple[Role, ...] = ("collision", "visual")
+_ROLES: tuple[ShapeRole, ...] = ("collision", "visual")
 _ROUND = "radius", "length"
 _SOLIDS: dict[str, tuple[SolidKind, tuple[str, ...]]] = {
     "box": ("box", ("size",)),
@@ -303,7 +303,7 @@ def shapes_of(link: XmlElement) -> tuple[Shape, ...]:
     )
 
 
-def _shapes_in(element: XmlElement, role: Role) -> Iterator[Shape]:
+def _shapes_in(element: XmlElement, role: ShapeRole) -> Iterator[Shape]:
     try:
         placement = _shape_origin(element)
         for geometry in element.all("geometry"):
@@ -313,7 +313,7 @@ def _shapes_in(element: XmlElement, role: Role) -> Iterator[Shape]:
         return
 
 
-def _shape(part: XmlElement, placement: Placement, role: Role) -> Iterator[Shape]:
+def _shape(part: XmlElement, placement: Placement, role: ShapeRole) -> Iterator[Shape]:
     given, line = part.attributes, part.line
     if part.tag in _SOLIDS:
         kind, keys = _SOLIDS[part.tag]

@@ -14,8 +14,8 @@ from freebody.model.placement import Placement
 
 DENSEST, LIGHTEST = 20e3, 5.0
 """kg/m³: gold and tungsten are near the one, air is 1.2."""
-Role = Literal["collision", "visual"]
-"""What a shape is for: what is to be seen, or what collides."""
+ShapeRole = Literal["collision", "visual"]
+"""The use of a shape: it is to be seen, or it collides."""
 SolidKind = Literal["box", "cylinder", "sphere", "capsule", "ellipsoid"]
 
 
@@ -85,7 +85,7 @@ class Shape:
     size: tuple[float, ...]
     """Sizes of the solid, m; of a mesh the factors along x, y, z; of a hull nothing."""
     placement: Placement
-    role: Role
+    role: ShapeRole
     file: str = ""
     """The file of a mesh, as written."""
     line: int | IncludedLine | None = None

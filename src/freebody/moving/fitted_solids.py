@@ -19,8 +19,8 @@ AXES = 0.16
 _LINK, _JOINT, _CROWDED = 0.025, 0.031, 0.55
 """Radii of links and joints, of the drawing's size; what they shrink by where bodies are many."""
 _PIN, _LONG = 0.22, 1.25
-"""What the symbol of a joint between bodies that have shapes of their own is thinner and longer by:
-it shows the axis, and hides little."""
+"""Factors of the symbol of a joint between bodies that have shapes of their own, which shows the
+axis and hides little: of its radius and its length."""
 MANY = 12
 """Bodies up to which all are named, and drawn in full."""
 _THIN = 0.35  # of a link's radius: rods of loops and struts

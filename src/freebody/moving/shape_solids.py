@@ -18,7 +18,7 @@ from freebody.lazy import cached_property, kept
 from freebody.model.doubt_rules.inertias import is_bare
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
-from freebody.model.shapes import Role, Shape
+from freebody.model.shapes import Shape, ShapeRole
 from freebody.moving.fitted_solids import DrawnSolid, FramePlace
 from freebody.moving.hulls import DrawnHull, hull
 from freebody.outputs.page_script import packed
@@ -30,7 +30,7 @@ _REASONS = 12
 _BEYOND = 20.0
 """Times the reach of the robot beyond which a mesh is of another unit than its file says."""
 _SOUGHT = "not found beside the robot's file, above it or in the folders of packages"
-_ROLES: tuple[Role, ...] = ("visual", "collision")
+_ROLES: tuple[ShapeRole, ...] = ("visual", "collision")
 
 
 class DrawnShapes:
@@ -43,8 +43,8 @@ class DrawnShapes:
         self._packages: dict[tuple[str, ...], Packages] = {}
         self.lost: dict[str, str] = {}
         """Why meshes are not drawn, by their names in the file."""
-        self.roles: dict[int, Role] = {}
-        """What the shapes are for with which each body is drawn, by its index (-1: the base)."""
+        self.roles: dict[int, ShapeRole] = {}
+        """The use of the shapes with which each body is drawn, by its index (-1: the base)."""
         self.solids: dict[int, list[DrawnSolid | DrawnHull]] = {}
         """The solids of each body that is drawn by its shapes, by its index."""
         for body, roles in self._by_body().items():
@@ -54,9 +54,9 @@ class DrawnShapes:
                     self.solids[body], self.roles[body] = solids, role
                     break
 
-    def _by_body(self) -> dict[int, dict[Role, list[tuple[str, Shape]]]]:
+    def _by_body(self) -> dict[int, dict[ShapeRole, list[tuple[str, Shape]]]]:
         model = self._model
-        found: dict[int, dict[Role, list[tuple[str, Shape]]]] = {}
+        found: dict[int, dict[ShapeRole, list[tuple[str, Shape]]]] = {}
         for frame, shape in model.shapes if model.dim == 3 else ():
             if frame in model.tree.frames:
                 roles = found.setdefault(model.frame(frame).body, {})

@@ -164,8 +164,8 @@ def geoms(m, mujoco):
 
 
 def outermost(points):
-    """Those of some points (n, 3) that lie farthest out in fixed directions, each once: the hull of
-    these is nearly that of all."""
+    """The points, of some (n, 3), that lie farthest out in fixed directions, each once: the hull
+    of these is nearly that of all."""
     x, y, z = points.T
     found = set()
     for a, b, c in LINES:

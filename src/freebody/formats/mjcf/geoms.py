@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from freebody.model.placement import Placement
-from freebody.model.shapes import Role, Shape, SolidKind
+from freebody.model.shapes import Shape, ShapeRole, SolidKind
 
 _SIZES: dict[SolidKind, Callable[..., tuple[float, ...]]] = {
     "box": lambda x, y, z: (2 * x, 2 * y, 2 * z),
@@ -32,7 +32,7 @@ def shapes_of(
     for geom in geoms:
         if not all(map(math.isfinite, (*geom["pos"], *geom["quat"]))):
             continue
-        role: Role = "visual" if geom["seen"] else "collision"
+        role: ShapeRole = "visual" if geom["seen"] else "collision"
         at = placed(geom["pos"], geom["quat"])
         if geom["points"]:
             points = tuple((float(x), float(y), float(z)) for x, y, z in geom["points"])
