@@ -66,6 +66,15 @@ class Packages:
             return None
         return next((path for path in candidates if _is_file(path)), None)
 
+    def holds(self, name: str, path: Path) -> bool:
+        """Whether the file that a mesh's name means lies in a package that the name tells, or below
+        the folders whose files a description may ask for."""
+        scheme, _, rest = name.partition("://")
+        if scheme in ("package", "model") and ".." not in rest.split("/"):
+            return True
+        real = os.path.realpath(path)
+        return any(Path(real).is_relative_to(os.path.realpath(root)) for root in self.readable)
+
     @cached_property
     def readable(self) -> tuple[Path, ...]:
         """Folders whose files a description may ask for: its own, its package's, and those that the

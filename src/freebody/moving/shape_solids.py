@@ -30,6 +30,7 @@ _REASONS = 12
 _BEYOND = 20.0
 """Times the reach of the robot beyond which a mesh is of another unit than its file says."""
 _SOUGHT = "not found beside the robot's file, above it or in the folders of packages"
+_OUTSIDE = "outside the package of the robot's file; package_path= names its folder"
 _ROLES: tuple[ShapeRole, ...] = ("visual", "collision")
 
 
@@ -117,6 +118,9 @@ class DrawnShapes:
         path = packages.located(shape.file)
         if path is None:
             self.lost[shape.file] = _SOUGHT
+            return None
+        if not packages.holds(shape.file, path):
+            self.lost[shape.file] = _OUTSIDE
             return None
         try:
             return mesh_corners(path)

@@ -275,3 +275,19 @@ def test_a_flat_mesh_has_a_hull(tmp_path):
     (drawn,) = [x for x in scene["solids"] if isinstance(x[4], list)]
     corners = np.array(drawn[4]).reshape(-1, 3)
     assert 0.0 < np.linalg.svd(corners - corners.mean(axis=0))[1][2] < 0.01
+
+
+def test_a_mesh_outside_the_package_is_opened_where_the_user_names_its_folder(tmp_path):
+    robot, other = tmp_path / "arm", tmp_path / "other"
+    robot.mkdir()
+    other.mkdir()
+    (other / "cloud.stl").write_bytes(FORMS["binary.stl"])
+    (robot / "arm.urdf").write_text(urdf('<mesh filename="../other/cloud.stl"/>'))
+    told = []
+    for more in ([], ["--package-path", str(other)]):
+        out = tmp_path / "index.html"
+        command = ["studio", str(robot / "arm.urdf"), *more, "--no-open", "--out", str(out)]
+        assert run(command) == 0
+        told.append(out.read_text(encoding="utf-8"))
+    assert "&#39;cloud.stl&#39; (outside the package of the robot&#39;s file" in told[0]
+    assert "hulls of the file&#39;s meshes (1 hull" in told[1]
