@@ -72,7 +72,8 @@ def _stl(data: bytes, path: Path) -> Array:
     if len(data) == _HEAD + _TRIANGLE * told:
         raw = np.frombuffer(data, dtype=np.uint8, offset=_HEAD).reshape(told, _TRIANGLE)
         # behind the normal, in front of two bytes of attributes
-        return raw[:, 12:48].copy().view("<f4").reshape(-1, 3).astype(float)
+        with np.errstate(invalid="ignore"):  # NaN is refused with the others
+            return raw[:, 12:48].copy().view("<f4").reshape(-1, 3).astype(float)
     if data.lstrip()[:5].lower() == b"solid" and b"vertex" in data:
         return _columns(data, b"vertex", path)
     fits = (len(data) - _HEAD) / _TRIANGLE
