@@ -93,9 +93,9 @@ KNOWN = {
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
     ("targets/llvm/cpu.py", "pythonapi"): "constant names of CPython's functions",
     (
-        "formats/masses.py",
+        "formats/meshes.py",
         "trimesh",
-    ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
+    ): "bytes of four formats of shapes, for estimate_inertia, of two of them for drawings",
     ("targets/llvm/cpu.py", "PYFUNCTYPE"): "functions of NumPy's table",
     (
         "targets/llvm/scan.py",

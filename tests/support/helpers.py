@@ -154,3 +154,16 @@ def raises_own(kind: type[Exception], match: str) -> Iterator[None]:
     with pytest.raises(fb.FreebodyError, match=match) as caught:
         yield
     assert isinstance(caught.value, kind), type(caught.value).__mro__
+
+
+def homogeneous_of(placement: Any) -> np.ndarray:
+    """The matrix (4, 4) of a placement of numbers, a shift or a rotation at each step."""
+    T = np.eye(4)
+    for step in placement.steps:
+        by = np.eye(4)
+        if hasattr(step, "by"):
+            by[:3, 3] = step.by
+        else:
+            by[:3, :3] = step.matrix
+        T = T @ by
+    return T

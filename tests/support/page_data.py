@@ -21,3 +21,12 @@ def page_data(html: str) -> dict[str, Any]:
     found = re.search(r'inflated\("([^"]*)"\)\.json', html)
     assert found, "this page has no data"
     return json.loads(zlib.decompress(b64decode(found[1])))
+
+
+def page_scene(html: str) -> dict[str, Any]:
+    """The scene that a studio's page draws."""
+    for pack in re.findall(r'"(eN[A-Za-z0-9+/=]{40,})"', html):
+        found = json.loads(zlib.decompress(b64decode(pack)))
+        if isinstance(found, dict) and "scene" in found:
+            return found["scene"]
+    raise AssertionError("this page has no scene")

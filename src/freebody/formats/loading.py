@@ -20,6 +20,7 @@ from freebody.model.dh import Convention
 from freebody.model.doubts import Doubt, tied
 from freebody.model.model import Model
 from freebody.model.parameters import real
+from freebody.model.shapes import Shape
 
 TEMPLATE = "template:"
 """Text that stands before a template's name, where a robot is named."""
@@ -321,7 +322,21 @@ def _described(
 ) -> RobotDescription:
     reader = _FORMATS[suffix]
     _used(how, reader.uses, file)
-    return reader.describe(_Given(file, data, name, packages, how))
+    return _with_folders(reader.describe(_Given(file, data, name, packages, how)), packages)
+
+
+def _with_folders(description: RobotDescription, packages: Packages) -> RobotDescription:
+    """The description, its meshes with the folders where their files are looked for."""
+    own, given = str(packages.folder or ""), tuple(map(str, packages.given))
+
+    def placed(shape: Shape) -> Shape:
+        return replace(shape, folders=((*shape.folders, own)[0], *given)) if shape.file else shape
+
+    links = tuple(
+        replace(link, shapes=tuple(map(placed, link.shapes))) if link.shapes else link
+        for link in description.links
+    )
+    return replace(description, links=links)
 
 
 def _used(how: ReadingOptions, uses: tuple[str, ...], given: str) -> None:

@@ -23,15 +23,14 @@ less.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from freebody.errors import FileError, FreebodyError, MissingPackageError, listed
+from freebody.formats.meshes import FORMATS, opened
 from freebody.formats.packages import Packages
 from freebody.formats.read_file import contents
 from freebody.model.bodies import Body
@@ -287,9 +286,6 @@ def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[floa
 
 
 _LARGEST = 512 * 2**20  # bytes of a mesh
-_MESHES = (".stl", ".obj", ".ply", ".dae")
-"""Formats that are read: those of shapes alone, no archives and no scenes that name further
-files."""
 
 
 def estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
@@ -359,7 +355,7 @@ def _parts(
 ) -> Iterator[Inertia]:
     for shape in shapes:
         R, p = shape.placement.lower(of_dimension(3), VALUES)
-        own = _mesh(shape, link, file, packages) if shape.kind == "mesh" else shape.uniform(1.0)
+        own = shape.uniform(1.0) if shape.is_solid else _mesh(shape, link, file, packages)
         yield own.placed(np.array(R, dtype=float), p)
 
 
@@ -374,6 +370,13 @@ def _scaled(inertia: Inertia | None, density: float) -> Inertia | None:
 def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
     """The inertia of a mesh at density 1: of the volume that it encloses, or of its convex hull
     where it has holes."""
+    if shape.kind == "hull":
+        raise FileError(
+            file,
+            shape.line,
+            f"link {link.name!r}: of its mesh the outermost points alone are known, from which no "
+            f'inertia is estimated; MuJoCo does it where the file says inertiafromgeom="true".',
+        )
     path = packages.located(shape.file)
     if path is None:
         raise FileError(
@@ -382,22 +385,16 @@ def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
             f"link {link.name!r}: its mesh {shape.file!r} was not found beside the file or above "
             f"it; package_path= names folders of packages.",
         )
-    try:
-        import trimesh  # an extra
-    except ImportError:
-        what = "load: estimating inertias from meshes"
-        raise MissingPackageError(what, "trimesh", "mesh") from None
-    suffix = path.suffix.lower()
-    if suffix not in _MESHES:
+    if path.suffix.lower() not in FORMATS:
         raise FileError(
             file,
             shape.line,
             f"link {link.name!r}: its mesh {path.name!r} is not of the formats "
-            f"{', '.join(_MESHES)}; convert it to one of these.",
+            f"{', '.join(FORMATS)}; convert it to one of these.",
         )
     data = contents(path, _LARGEST, "a mesh")
     try:
-        mesh: Any = trimesh.load(io.BytesIO(data), file_type=suffix[1:], force="mesh")
+        mesh = opened(data, path, "load: estimating inertias from meshes")
         mesh.apply_scale(np.array(shape.size))
         if not mesh.is_watertight or mesh.volume <= 0:
             mesh = mesh.convex_hull
@@ -408,10 +405,13 @@ def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
             [float(x) for x in found["center_mass"]],
             0.5 * (tensor + tensor.T),
         )
+    except MissingPackageError:
+        raise
     except Exception as problem:  # whatever a reader of meshes raises on a broken one
+        told = problem.problem if isinstance(problem, FileError) else str(problem)
         raise FileError(
             file,
             shape.line,
             f"link {link.name!r}: its mesh {path.name!r} cannot be read: "
-            f"{' '.join(str(problem).split())}.",
+            f"{' '.join(told.split()).rstrip('.')}.",
         ) from None

@@ -64,7 +64,16 @@ class Packages:
             candidates += [place / inside for place in above]
         else:
             return None
-        return next((path for path in candidates if path.is_file()), None)
+        return next((path for path in candidates if _is_file(path)), None)
+
+    def holds(self, name: str, path: Path) -> bool:
+        """Whether the file that a mesh's name means lies in a package that the name tells, or below
+        the folders whose files a description may ask for."""
+        scheme, _, rest = name.partition("://")
+        if scheme in ("package", "model") and ".." not in rest.split("/"):
+            return True
+        real = os.path.realpath(path)
+        return any(Path(real).is_relative_to(os.path.realpath(root)) for root in self.readable)
 
     @cached_property
     def readable(self) -> tuple[Path, ...]:
@@ -117,6 +126,13 @@ def _inside(place: Path) -> list[Path]:
         return sorted(Path(entry.path) for entry in found if entry.is_dir())
     except OSError:
         return []
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name that is too long
+        return False
 
 
 def _named(folder: Path) -> str | None:

@@ -17,6 +17,7 @@ from freebody.formats import read_file
 from freebody.formats.packages import Packages
 from freebody.formats.sdf_gears import GEARBOX, SCREW, SCREW_TAGS, couple, pitch
 from freebody.formats.sdf_nested import AXES_IN_JOINTS, MODEL, WORLD, NestedModels, read_version
+from freebody.formats.sdf_shapes import shapes_of
 from freebody.formats.urdf_elements import UNLIMITED, Elements, XmlElement
 from freebody.model.description import (
     INFINITE,
@@ -242,6 +243,17 @@ class SdfReader(Elements):
             return np.eye(3), np.zeros(3)
         return self.inside.get((outer, name)) or seen_from(*poses)
 
+    def placed_in(self, link: XmlElement, element: XmlElement) -> Placement:
+        """Where the <pose> of a part of a link puts it in the link's frame."""
+        where = f"<{element.tag}> of link {link.name()!r}"
+        pose = self.one(element, "pose", where)
+        if pose is None:
+            return Placement()
+        base = pose.attributes.get("relative_to", "").strip() or link.name()
+        return _placement(
+            _composed(self.relative(link.name(), base, pose), self.local(pose, where))
+        )
+
     def frame(self, element: XmlElement) -> None:
         """A frame fixed to a link, directly or through others."""
         name, body, seen = element.name(), element.name(), set[str]()
@@ -264,7 +276,8 @@ class SdfReader(Elements):
         inertial = self.one(element, "inertial", where)
         inertia, placement = self.inertial(inertial, where)
         line = (inertial or element).line
-        self.links[element.name()] = Link(element.name(), inertia, placement, line)
+        shapes = tuple(shapes_of(self, element))
+        self.links[element.name()] = Link(element.name(), inertia, placement, line, shapes)
 
     def inertial(self, element: XmlElement | None, where: str) -> tuple[Inertia | None, Placement]:
         mass, tensor, pose = 1.0, {"ixx": 1.0, "iyy": 1.0, "izz": 1.0}, None

@@ -251,9 +251,16 @@ def _posed(child: XmlElement, scope: ModelScope) -> XmlElement:
 
 def _link(element: XmlElement, scope: ModelScope) -> XmlElement:
     poses = element.all("pose") or [XmlElement("pose", {}, element.line)]
-    others = [child for child in element.children if child.tag != "pose"]
+    others = [_shaped(child, scope) for child in element.children if child.tag != "pose"]
     placed = [_placed(pose, scope) for pose in poses]
     return _called(element, scope, [*placed, *others])
+
+
+def _shaped(child: XmlElement, scope: ModelScope) -> XmlElement:
+    """An element of a link, a shape's pose by names of the whole model."""
+    if child.tag not in ("visual", "collision"):
+        return child
+    return replace(child, children=[_posed(inner, scope) for inner in child.children])
 
 
 def _frame(element: XmlElement, scope: ModelScope) -> XmlElement:

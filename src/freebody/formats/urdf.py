@@ -8,7 +8,6 @@ docs/formats.md states the policy."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
 
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file, urdf_motors
@@ -27,7 +26,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
-from freebody.model.shapes import Shape
+from freebody.model.shapes import SHAPE_KINDS, Shape, ShapeRole, SolidKind
 from freebody.spatial import unit
 
 TYPES = {
@@ -40,7 +39,17 @@ TYPES = {
     "planar": "planar",
 }
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_ROLES: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
+_ROLES: tuple[ShapeRole, ...] = ("collision", "visual")
+_ROUND = "radius", "length"
+_SOLIDS: dict[str, tuple[SolidKind, tuple[str, ...]]] = {
+    "box": ("box", ("size",)),
+    "cylinder": ("cylinder", _ROUND),
+    "sphere": ("sphere", ("radius",)),
+    "capsule": ("capsule", _ROUND),  # since version 1.2 of the format
+    "drake:capsule": ("capsule", _ROUND),
+    "drake:ellipsoid": ("ellipsoid", ("a", "b", "c")),
+}
+"""The kind of solid that an element stands for, and the attributes with its sizes."""
 
 
 def describe(robot: XmlElement, file: str, *, name: str, snap_angles: float) -> RobotDescription:
@@ -294,7 +303,7 @@ def shapes_of(link: XmlElement) -> tuple[Shape, ...]:
     )
 
 
-def _shapes_in(element: XmlElement, role: Literal["collision", "visual"]) -> Iterator[Shape]:
+def _shapes_in(element: XmlElement, role: ShapeRole) -> Iterator[Shape]:
     try:
         placement = _shape_origin(element)
         for geometry in element.all("geometry"):
@@ -304,19 +313,14 @@ def _shapes_in(element: XmlElement, role: Literal["collision", "visual"]) -> Ite
         return
 
 
-def _shape(
-    part: XmlElement, placement: Placement, role: Literal["collision", "visual"]
-) -> Iterator[Shape]:
+def _shape(part: XmlElement, placement: Placement, role: ShapeRole) -> Iterator[Shape]:
     given, line = part.attributes, part.line
-    if part.tag == "box":
-        yield Shape("box", _sizes(given["size"], 3), placement, role, line=line)
-    elif part.tag == "cylinder":
-        size = _sizes(f"{given['radius']} {given['length']}", 2)
-        yield Shape("cylinder", size, placement, role, line=line)
-    elif part.tag == "sphere":
-        yield Shape("sphere", _sizes(given["radius"], 1), placement, role, line=line)
+    if part.tag in _SOLIDS:
+        kind, keys = _SOLIDS[part.tag]
+        size = _sizes(" ".join(given[key] for key in keys), len(SHAPE_KINDS[kind].sizes))
+        yield Shape(kind, size, placement, role, line=line)
     elif part.tag == "mesh" and given.get("filename", "").strip():
-        size = tuple(abs(x) for x in _numbers(given.get("scale", "1 1 1"), 3))
+        size = _numbers(given.get("scale", "1 1 1"), 3)
         yield Shape("mesh", size, placement, role, given["filename"].strip(), line)
 
 

@@ -88,16 +88,20 @@ def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
-    def text(data: str) -> None:
+    def text(data: str) -> None:  # line by line, and in pieces
         if opened and len(opened[-1].content) < most:
-            opened[-1].content += data.strip()[:most]
+            opened[-1].content = (opened[-1].content + data).lstrip()[:most]
+
+    def end(tag: str) -> None:
+        element = opened.pop()
+        element.content = element.content.rstrip()
 
     def doctype(*_: object) -> NoReturn:
         # expanding entities can fill the memory (the "billion laughs") or read other files
         refuse("the file has a <!DOCTYPE>, which can declare entities and is refused; remove it.")
 
     parser.StartElementHandler = start
-    parser.EndElementHandler = lambda tag: opened.pop()
+    parser.EndElementHandler = end
     parser.CharacterDataHandler = text
     parser.StartDoctypeDeclHandler = doctype
     try:
@@ -277,7 +281,7 @@ class Elements:
             notices.append(
                 Notice(
                     "skipped",
-                    f"shapes play no part in the dynamics: {listed} are not read.",
+                    f"shapes play no part in the dynamics: {listed} serve drawings, or nothing.",
                     self.file,
                 )
             )

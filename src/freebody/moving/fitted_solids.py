@@ -18,6 +18,9 @@ AXES = 0.16
 """Length of the world's axes, of the drawing's size."""
 _LINK, _JOINT, _CROWDED = 0.025, 0.031, 0.55
 """Radii of links and joints, of the drawing's size; what they shrink by where bodies are many."""
+_PIN, _LONG = 0.22, 1.25
+"""Factors of the symbol of a joint between bodies that have shapes of their own, which shows the
+axis and hides little: of its radius and its length."""
 MANY = 12
 """Bodies up to which all are named, and drawn in full."""
 _THIN = 0.35  # of a link's radius: rods of loops and struts
@@ -87,7 +90,7 @@ class Anchors(Protocol):
 @dataclass(frozen=True)
 class DrawnSolid:
     """A solid of revolution between two places, metres: a capsule where its ends are round, a
-    cylinder, or a prism of few sides, where they are flat."""
+    cylinder, or a prism of few sides, where they are flat, or an ellipsoid."""
 
     ends: tuple[FramePlace, FramePlace]
     radius: float
@@ -100,12 +103,14 @@ class DrawnSolid:
     """The direction of its first side, for one whose breadth is not its depth."""
     ratio: float = 1.0
     """Breadth of the second side to that of the first."""
+    oval: bool = False
+    """Whether it is an ellipsoid, whose ends are tips."""
 
     @property
     def data(self) -> list[Any]:
         """The solid as a page reads it."""
         first, second = (end.data for end in self.ends)
-        shape = rounded(self.radius), int(self.round), self.sides
+        shape = rounded(self.radius), 2 if self.oval else int(self.round), self.sides
         told = [self.role, first, second, *shape, list(self.bodies)]
         return told if self.across is None else [*told, self.across.data, rounded(self.ratio)]
 
@@ -196,13 +201,15 @@ class FittedSolids:
         if not joint.kind.solids and joint.kind.mark:
             place = at.origin(joint).place()
             yield DrawnSolid((place, place), 1.25 * r, "joint", bodies=own)
+        inside = joint.index in self._own and joint.parent in self._own
+        thin, long = (_PIN, _LONG) if inside else (1.0, 1.0)
         for part in joint.kind.solids:
             way = along(joint, part)
             if way is not None:
                 middle = at.origin(joint) if part.moves else at.carrier(joint)
-                ends = self._ends(middle, way, part.half * r)
+                ends = self._ends(middle, way, long * part.half * r)
                 alone = own if part.moves else ()
-                yield DrawnSolid(ends, part.radius * r, "joint", False, part.sides, alone)
+                yield DrawnSolid(ends, thin * part.radius * r, "joint", False, part.sides, alone)
 
     def _ends(
         self, middle: MovingPlace, way: Array | None, half: float, above: float = 0.0

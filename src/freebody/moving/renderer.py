@@ -7,8 +7,8 @@ from functools import cache
 from freebody.outputs.pages import joined
 
 _FILES = (
-    "numbers.js", "vectors.js", "solids.js", "raster.js", "camera.js", "floor.js", "symbols.js",
-    "labels.js", "surface.js", "stage.js",
+    "numbers.js", "vectors.js", "solids.js", "hulls.js", "raster.js", "camera.js", "floor.js",
+    "symbols.js", "labels.js", "surface.js", "stage.js",
 )  # fmt: skip
 _UNPACKING = "inflated.js"
 _NOTES = "notes.js"

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,8 @@ from freebody.moving.fitted_solids import (
     MovingPlace,
     rounded,
 )
-from freebody.moving.shape_solids import shape_solids, shapes_by_body
+from freebody.moving.hulls import DrawnHull
+from freebody.moving.shape_solids import drawn_shapes
 
 _POSES = 24  # of a motion: the box that is seen holds them
 _MARGIN = 0.05  # of the drawing's size, around all places
@@ -94,7 +96,7 @@ class Scene:
     """A robot's solids, the box and the floor that they move over, and how they are seen first."""
 
     dim: int
-    solids: tuple[DrawnSolid, ...]
+    solids: tuple[DrawnSolid | DrawnHull, ...]
     box: Array
     """Lowest and highest coordinates (2, 3) of what moves, m."""
     size: float
@@ -142,11 +144,12 @@ def scene(model: Model, q: Array) -> Scene:
     seen, anchors = snapshot(model, rows[0], still, still), BodyAnchors(model, rows[0])
     size, flat, labels = extent(poses), model.dim == 2, LabelTexts()
     box = box_of(poses, size)
-    fitted = FittedSolids(seen.pose, size, anchors, own=shapes_by_body(model))
+    shapes = drawn_shapes(model)
+    fitted = FittedSolids(seen.pose, size, anchors, own=shapes.unbarred)
     tip = seen.pose.tip
     return Scene(
         model.dim,
-        (*fitted.all(), *shape_solids(model)),
+        (*fitted.all(), *chain.from_iterable(shapes.solids.values())),
         box,
         size,
         FLAT if flat else best_view([ends for pose in poses for ends in sticks(pose)]),

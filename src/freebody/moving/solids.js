@@ -1,9 +1,13 @@
 // Solids as triangles in the world: each has its shape once, and is placed anew in every pose.
 
-const FRAME = 12, CAP = 4, FLAT = 6;
+const FRAME = 12, CAP = 4, FLAT = 6, OVAL = 2;
 // A profile is turned about the line between both ends: distance from it, way beyond an end, which
 // end, and the normal's two parts.
-function profileOf(radius, round) {
+function profileOf(radius, round, half) {
+  if (round === OVAL) return Array.from({length: 2 * CAP + 1}, (_, k) => {
+    const angle = Math.PI / 2 * (k / CAP - 1), c = Math.cos(angle), s = Math.sin(angle);
+    return [radius * c, 0, (1 + s) / 2, ...unit([half * c, radius * s])];
+  });
   if (!round) return [[0, 0, 0, 0, -1], [radius, 0, 0, 0, -1], [radius, 0, 0, 1, 0], [radius, 0, 1, 1, 0], [radius, 0, 1, 0, 1], [0, 0, 1, 0, 1]];
   return [0, 1].flatMap((end) => Array.from({length: CAP + 1}, (_, k) => {
     const angle = Math.PI / 2 * (k / CAP + end - 1), c = Math.cos(angle), s = Math.sin(angle);
@@ -22,10 +26,10 @@ const mostAcross = (way) => [0, 1, 2].reduce((best, k) => (Math.abs(way[k]) < Ma
 
 class Solid {
   constructor([role, a, b, radius, round, sides, bodies, side, ratio = 1]) {
-    const profile = profileOf(radius, round), {columns, next} = columnsOf(sides), rows = profile.length;
+    const profile = profileOf(radius, round, length(minus(b.slice(1), a.slice(1))) / 2), {columns, next} = columnsOf(sides), rows = profile.length;
     Object.assign(this, {role, a, b, round, bodies, side, wide: Boolean(side) || (a[0] === b[0] && length(minus(a.slice(1), b.slice(1))) < radius), triangles: [], across: a[0] === b[0] ? mostAcross([1, 2, 3].map((k) => b[k] - a[k])) : -1});
     this.local = columns.flatMap(([angle, normal]) => profile.map(([far, along, end, out, up]) =>
-      [far * Math.cos(angle), ratio * far * Math.sin(angle), along, end, out * Math.cos(normal), out * Math.sin(normal), up])).flat();
+      [far * Math.cos(angle), ratio * far * Math.sin(angle), along, end, ...unit([out * Math.cos(normal), out * Math.sin(normal) / ratio, up])])).flat();
     for (let side = 0; side < sides; side++) {
       const [left, right] = next(side).map((k) => k * rows);
       for (let k = 0; k + 1 < rows; k++) {
@@ -40,7 +44,7 @@ class Solid {
   // Writes places and normals of its corners, from number `first` on; swell: how much thicker it is,
   // and longer where it is the solid of a joint.
   place(frames, points, normals, first, swell) {
-    const a = inWorld(frames, this.a), b = inWorld(frames, this.b), longer = this.round ? 0 : (swell - 1) / 2, way = minus(b, a);
+    const a = inWorld(frames, this.a), b = inWorld(frames, this.b), longer = this.round === 1 ? 0 : (swell - 1) / 2, way = minus(b, a);
     const [ax, ay, az] = plus(a, way, -longer), [bx, by, bz] = plus(b, way, longer);
     let w = [bx - ax, by - ay, bz - az];
     const far = Math.hypot(...w), at = FRAME * this.a[0];
@@ -77,7 +81,7 @@ function wayInWorld(frames, [frame, x, y, z]) {
 // `end`, and triangles.
 class Solids {
   constructor(solids) {
-    this.solids = solids.map((one) => new Solid(one));
+    this.solids = solids.map((one) => new (Array.isArray(one[4]) ? Hull : Solid)(one));
     const first = [0];
     for (const solid of this.solids) first.push(first[first.length - 1] + solid.size);
     this.first = first;

@@ -34,12 +34,22 @@ class Stage {
   places(positions, point) {
     return positions.map((q) => { this.place(q, this.own); return inWorld(this.frames, point); });
   }
-  // Frames all that moves through some positions.
-  frame(positions) {
-    this.camera.corners = positions.flatMap((q) => {
+  // Frames all that moves through some positions; larger: how much larger than that the view is.
+  frame(positions, larger = 1) {
+    const places = positions.flatMap((q) => {
       this.pose(q);
       return this.solids.reach(this.frames);
     });
+    const middle = [0, 1, 2].map((k) => places.reduce((sum, place) => sum + place[k], 0) / places.length);
+    this.camera.corners = places.map((place) => plus(middle, minus(place, middle), larger));
+    this.resize();
+  }
+  // Widens the first view where the robot has left it.
+  widen() {
+    const {camera} = this, places = this.solids.reach(this.frames), {wide, tall, scale, middle} = camera;
+    if (!places.some((place) => { const [x, y] = camera.seen(place); return x < 0 || y < 0 || x > wide || y > tall; })) return;
+    const corners = [...camera.corners, ...places], now = camera.fitting(corners, wide, tall);
+    if (now.scale < scale || length(minus(now.middle, middle)) > 0) camera.corners = corners;  // else the view is turned
     this.resize();
   }
   // The place on the sheet of one in the world, and that of one that is fixed in a frame.

@@ -15,8 +15,8 @@ from freebody.figures.plots import Plot
 from freebody.moving.placements import NAME, placements
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import Scene, scene
-from freebody.moving.shape_solids import drawn_as
-from freebody.outputs.page_script import joined, packed, packed_numbers
+from freebody.moving.shape_solids import drawn_shapes
+from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
     FollowedCurves,
     Instant,
@@ -99,7 +99,7 @@ def moving_comparison(found: StudyComparison, plots: Sequence[Plot]) -> MovingCo
         instants,
         tuple(_rows(found.drives, efforts)),
         arrows.words,
-        " ".join(dict.fromkeys(filter(None, (drawn_as(study.model) for study in studies)))),
+        " ".join(dict.fromkeys(filter(None, (drawn_shapes(study.model).words for study in studies)))),
         tuple(float(end) if (end := _since(s)[-1]) < longest else None for s in studies),
     )
 

@@ -15,7 +15,7 @@ from freebody.figures.plots import Plot
 from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import scene
-from freebody.moving.shape_solids import drawn_as
+from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
     FollowedCurves,
@@ -80,7 +80,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     drawn = [followed_plot(plot, columns, efforts) for plot in plots]
     rows = tuple(_rows(study, columns, drives, shown))
     what, arrows = what_if(study, shown), arrow_scales(study)
-    bodies = drawn_as(study.model)
+    bodies = drawn_shapes(study.model).words
     instants = tuple(
         Instant(k, f"{shown.t[k]:.3g}", words)
         for k, words in ((shown.index(time), words) for time, words in marks)

@@ -1,11 +1,12 @@
 // The robot under the reader's hand: joints dragged, the tip pulled, ellipsoids of its speeds and forces.
 
-const GRIP = 16, RING = 9, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6, LEAST = 400;  // pixels squared for each radian or metre squared
+const GRIP = 16, RING = 9, ROUND = 64, SHARE = 0.3, SLIM = 1e-3, TINY = 1e-6, AROUND = 1.25, LEAST = 400;  // pixels squared for each radian or metre squared
 class Bench extends Stage {
   // act.joint(joint, position) and act.tip(place) move the robot.
   constructor(canvas, svg, studio, state, act) {
     super(canvas, svg, studio.scene, studio.bodies, kernels.placed, {notes: () => this.marks()});
     Object.assign(this, {studio, state, act, ellipsoid: ""});
+    this.frame([state.q], AROUND);
     const box = canvas.parentElement;
     for (const [type, does] of [["pointerdown", "grab"], ["pointermove", "drag"], ["pointerup", "release"], ["pointercancel", "release"]]) box.addEventListener(type, (event) => this[does](event), true);
   }
@@ -125,6 +126,13 @@ class Bench extends Stage {
     if (!this.held || this.held.pointer !== event.pointerId) return;
     event.stopPropagation();
     this.held = null;
+    this.show(this.state.q);
+  }
+  // The view stays while a part is held, which would else slip from the hand.
+  show(q) {
+    this.pose(q);
+    if (!this.held) this.widen();
+    this.draw();
   }
 }
 // The largest eigenvalue of a symmetric matrix that has none below 0, by powers.

@@ -26,6 +26,7 @@ from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.smooth_friction import without_friction
 from freebody.moving.renderer import renderer
 from freebody.moving.scene import Scene, scene
+from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.number_text import significant
 from freebody.outputs.pages import joined, packed
 from freebody.report.page import filled, how_read, source
@@ -205,6 +206,7 @@ class StudioPage:
             unslid=model.nq - len(self.joints),
             doubts=[capital(doubt.text) for doubt in doubts_used(model, *ALL)],
             readings=how_read(model),
+            bodies=drawn_shapes(model).words,
             proven=COUNT,
             step=STEP,
             contents=_CONTENTS,

@@ -262,7 +262,7 @@ def test_everything_else_is_counted(tmp_path):
     assert model.name == "arm"
     assert said(model, "name") == ["1: <robot> has no name; the file's is used, 'arm'."]
     assert said(model, "skipped") == [
-        "shapes play no part in the dynamics: 1 <material> are not read."
+        "shapes play no part in the dynamics: 1 <material> serve drawings, or nothing."
     ]
     assert said(model, "ignored") == [
         "5: <gazebo> in <robot> is ignored (2 times, first here).",

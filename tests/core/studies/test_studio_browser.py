@@ -13,6 +13,7 @@ import pytest
 import freebody as fb
 from support.browser import browser, touched
 from support.command import run
+from support.helpers import homogeneous_of
 
 pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("numpy_kernels")]
 
@@ -48,6 +49,11 @@ const ring = document.querySelector('.handle'), [x, y] = bench.at(bench.scene.ti
 const oval = document.querySelector('.oval').getBBox();
 return [ring.cx.baseVal.value - x, ring.cy.baseVal.value - y,
   oval.x + oval.width / 2 - x, oval.y + oval.height / 2 - y, Math.max(oval.width, oval.height)]"""
+SEEN = """const {bench} = page, {width, height} = bench.canvas;
+return bench.solids.reach(bench.frames).map(place => {
+  const [x, y] = bench.camera.seen(place);
+  return [x / width, y / height];
+})"""
 SAID = "return document.getElementById('said').textContent"
 
 
@@ -304,3 +310,54 @@ def test_without_scripts_it_is_a_drawing_and_a_table_of_limits(model, path, chro
     assert "no limit" in text or "°" in text
     assert "Simulate" not in text
     assert "load at" not in text
+
+
+def test_the_robot_fills_its_picture_and_stays_in_it(model, page):
+    first = np.array(page.execute_script(SEEN))
+    assert (first >= 0.0).all()
+    assert (first <= 1.0).all()
+    assert np.ptp(first, axis=0).max() > 0.5
+    if model.loops:
+        return
+    q, _, _ = fb.random_state(model, 3, 4)
+    for row in q:
+        page.execute_script(STAND, row.tolist(), [0.0] * model.nv, 0.0)
+        seen = np.array(page.execute_script(SEEN))
+        assert (seen > -1e-9).all()
+        assert (seen < 1 + 1e-9).all()
+
+
+OVAL = """<robot name="oval"><link name="base"/><link name="link"><inertial><mass value="2"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial><visual>
+<origin xyz="0.1 0.2 0.3" rpy="0.3 0.2 0.1"/><geometry><drake:ellipsoid a="0.1" b="0.2" c="0.4"/>
+</geometry></visual></link><joint name="j" type="revolute"><parent link="base"/>
+<child link="link"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+</robot>"""
+
+
+@pytest.mark.long
+def test_an_ellipsoid_of_the_file_is_one_on_the_page(chromium, tmp_path):
+    """Its corners lie on it, its normals are across it, and it reaches its six tips."""
+    (tmp_path / "oval.urdf").write_text(OVAL)
+    path = tmp_path / "index.html"
+    assert run(["studio", str(tmp_path / "oval.urdf"), "--no-open", "--out", str(path)]) == 0
+    chromium.get(path.as_uri())
+    q, points, normals = chromium.execute_async_script(
+        """const done = arguments[0], look = () => {
+          if (!page) return setTimeout(look, 5);
+          const {solids} = page.bench, {first, end} = solids.parts[solids.parts.length - 1];
+          done([page.state.q, solids.points, solids.normals].map((x, k) =>
+            [...(k ? x.slice(3 * first, 3 * end) : x)]));
+        };
+        look()"""
+    )
+    oval = fb.load(tmp_path / "oval.urdf")
+    T = fb.forward_kinematics(oval, q, "link") @ homogeneous_of(oval.shapes[0][1].placement)
+    R, p = T[:3, :3], T[:3, 3]
+    half = np.array([0.1, 0.2, 0.4])
+    local = (np.reshape(points, (-1, 3)) - p) @ R / half
+    assert np.abs(np.linalg.norm(local, axis=1) - 1.0).max() < 1e-4
+    across = local / half
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    assert np.abs(np.reshape(normals, (-1, 3)) @ R - across).max() < 1e-3
+    assert (np.abs(local).max(axis=0) > 0.98).all()

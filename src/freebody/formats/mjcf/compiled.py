@@ -15,6 +15,12 @@ KINDS = ("free", "ball", "slide", "hinge")
 _BYTES = 16 << 30
 ONE_POINT = 1e-9
 """m between points that are one."""
+SOLIDS = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
+SHOWN = 3
+"""Groups of geoms that MuJoCo's viewer shows when it opens: 0, 1, 2."""
+LINES = [(a, b, c) for a in (0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1) if (a, b, c) > (0, 0, 0)]
+"""Directions to the faces, edges and corners of a cube from its middle, one of each two opposite
+ones."""
 EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
 
 
@@ -28,6 +34,7 @@ def compiled(model, mujoco):
         "bodies": bodies(model, mujoco),
         "joints": joints(model, mujoco),
         "sites": sites(model, mujoco),
+        "geoms": geoms(model, mujoco),
         "equalities": equalities(model, mujoco),
         "actuators": actuators(model, mujoco),
         "tendons": tendons(model, mujoco),
@@ -127,6 +134,44 @@ def joints(m, mujoco):
 def sites(m, mujoco):
     """Each site's body and pose there."""
     return rows(m, mujoco, "SITE", m.nsite, body=m.site_bodyid, pos=m.site_pos, quat=m.site_quat)
+
+
+def geoms(m, mujoco):
+    """Each geom's body and pose there, its form, half sizes (m), the outermost points of a mesh
+    (m), and whether it is seen in MuJoCo's viewer as that opens."""
+    kinds = mujoco.mjtGeom
+    names = {int(getattr(kinds, f"mjGEOM_{x.upper()}")): x for x in SOLIDS}
+    mesh, seen, points = int(kinds.mjGEOM_MESH), {}, []
+    for kind, data in zip(m.geom_type.tolist(), m.geom_dataid.tolist(), strict=True):
+        if kind == mesh and data >= 0 and data not in seen:
+            start = m.mesh_vertadr[data]
+            corners = m.mesh_vert[start : start + m.mesh_vertnum[data]]
+            seen[data] = outermost(corners.astype(float)).tolist()
+        points.append(seen[data] if kind == mesh and data >= 0 else [])
+    return rows(
+        m,
+        mujoco,
+        "GEOM",
+        m.ngeom,
+        body=m.geom_bodyid,
+        type=[names.get(kind, "mesh" if kind == mesh else "other") for kind in m.geom_type],
+        size=m.geom_size,
+        pos=m.geom_pos,
+        quat=m.geom_quat,
+        seen=[bool(x) for x in (m.geom_group < SHOWN) & (m.geom_rgba[:, 3] > 0.0)],
+        points=points,
+    )
+
+
+def outermost(points):
+    """The points, of some (n, 3), that lie farthest out in fixed directions, each once: the hull
+    of these is nearly that of all."""
+    x, y, z = points.T
+    found = set()
+    for a, b, c in LINES:
+        far = a * x + b * y + c * z  # sums alone, which are rounded alike everywhere
+        found |= {int(far.argmin()), int(far.argmax())}
+    return points[sorted(found)]
 
 
 def equalities(m, mujoco):

@@ -7,7 +7,9 @@ counterpart here is named in the model's notices; constraints that cannot be kep
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, NoReturn
 
 import numpy as np
@@ -16,6 +18,7 @@ from freebody.errors import FileError, listed
 from freebody.formats.mjcf.compilation import BOUNDS, PARTS, compilation
 from freebody.formats.mjcf.couplings import followers, is_coupling
 from freebody.formats.mjcf.equalities import HeldBodies, joined, moved, turned
+from freebody.formats.mjcf.geoms import shapes_of
 from freebody.lazy import cached_property
 from freebody.model.description import (
     INFINITE,
@@ -178,7 +181,18 @@ class _MjcfReader:
             if not last:
                 self.links.append(Link(child))
             parent, where, offset = child, Placement(), at
-        self.links.append(Link(name, *self.inertia(given, offset), filled=given["filled"]))
+        # what is fixed to the world itself is scenery
+        shapes = tuple(shapes_of(self.geoms[index], partial(self.in_link, index))) if index else ()
+        inertia, centre = self.inertia(given, offset)
+        self.links.append(Link(name, inertia, centre, shapes=shapes, filled=given["filled"]))
+
+    @cached_property
+    def geoms(self) -> dict[int, list[dict[str, Any]]]:
+        """The geoms of each body that has some."""
+        found: dict[int, list[dict[str, Any]]] = defaultdict(list)
+        for geom in self.given["geoms"]:
+            found[geom["body"]].append(geom)
+        return found
 
     def inertia(
         self, given: dict[str, Any], offset: np.ndarray
