@@ -57,9 +57,7 @@ def by_displacements(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> list[lis
         rows = []
         for s in _displacements(space, _placed(tree, world, q, j)):
             psi = cross_motion(space, v_parent, s)
-            rate = plus_motion(
-                cross_motion(space, a_parent, s), cross_motion(space, v_parent, psi)
-            )
+            rate = plus_motion(cross_motion(space, a_parent, s), cross_motion(space, v_parent, psi))
             twice = (scale(2.0, x) for x in coriolis_times(space, B, psi))
             force = plus_motion(tuple(twice), momentum_of(space, I, rate))
             force = plus_motion(force, cross_force(space, s, forces[j]))

@@ -70,7 +70,9 @@ def collected(**said: str | None) -> Callable[[Callable[..., Any]], Callable[...
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         own = signature(command, eval_str=True)
         shared = _shared(command, own, said)
-        parts = {name: _part(parameter, shared) for name, parameter in own.parameters.items()}
+        parts = {
+            name: _command_part(parameter, shared) for name, parameter in own.parameters.items()
+        }
 
         @wraps(command)
         def run(**given: Any) -> Any:
@@ -93,7 +95,7 @@ _HIDDEN = Annotated[list[str] | None, typer.Option(hidden=True)]
 
 
 @dataclass(frozen=True)
-class _Part:
+class _CommandPart:
     """A parameter of a command's function: its own options, and how its value is made of what is
     given for all."""
 
@@ -101,7 +103,7 @@ class _Part:
     made: Callable[[dict[str, Any]], Any]
 
 
-def _part(parameter: Parameter, shared: Iterable[str]) -> _Part:
+def _command_part(parameter: Parameter, shared: Iterable[str]) -> _CommandPart:
     name, kind = parameter.name, parameter.annotation
     if robot := _robot(kind):
         argument, record = robot
@@ -110,12 +112,12 @@ def _part(parameter: Parameter, shared: Iterable[str]) -> _Part:
             texts, how = given[name], {x: given[x] for x in shared}
             return record(texts, how) if isinstance(texts, str) else [record(x, how) for x in texts]
 
-        return _Part((_parameter(name, argument, parameter.default),), robots)
+        return _CommandPart((_parameter(name, argument, parameter.default),), robots)
     if is_dataclass(kind):
         options = tuple(_of_record(kind))
         make: Any = kind
-        return _Part(options, lambda given: make(**{x.name: given[x.name] for x in options}))
-    return _Part((_parameter(name, kind, parameter.default),), itemgetter(name))
+        return _CommandPart(options, lambda given: make(**{x.name: given[x.name] for x in options}))
+    return _CommandPart((_parameter(name, kind, parameter.default),), itemgetter(name))
 
 
 def _robot(kind: Any) -> tuple[Any, type[GivenFile]] | None:

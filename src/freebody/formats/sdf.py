@@ -250,9 +250,7 @@ class SdfReader(Elements):
         if pose is None:
             return Placement()
         base = pose.attributes.get("relative_to", "").strip() or link.name()
-        return _placement(
-            _composed(self.relative(link.name(), base, pose), self.local(pose, where))
-        )
+        return _placement(composed(self.relative(link.name(), base, pose), self.local(pose, where)))
 
     def frame(self, element: XmlElement) -> None:
         """A frame fixed to a link, directly or through others."""

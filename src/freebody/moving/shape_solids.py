@@ -21,7 +21,7 @@ from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import Shape, ShapeRole
 from freebody.moving.fitted_solids import DrawnSolid, FramePlace
 from freebody.moving.hulls import DrawnHull, hull
-from freebody.outputs.page_script import packed
+from freebody.outputs.pages import packed
 from freebody.spatial import of_dimension
 
 _ROUND = 24  # sides of a cylinder

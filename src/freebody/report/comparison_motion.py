@@ -99,7 +99,9 @@ def moving_comparison(found: StudyComparison, plots: Sequence[Plot]) -> MovingCo
         instants,
         tuple(_rows(found.drives, efforts)),
         arrows.words,
-        " ".join(dict.fromkeys(filter(None, (drawn_shapes(study.model).words for study in studies)))),
+        " ".join(
+            dict.fromkeys(filter(None, (drawn_shapes(study.model).words for study in studies)))
+        ),
         tuple(float(end) if (end := _since(s)[-1]) < longest else None for s in studies),
     )
 
