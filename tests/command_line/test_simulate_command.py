@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from support.command import commands, example, run
+from support.command import example, help_of, run
 
 
 @pytest.fixture(autouse=True)
@@ -28,7 +28,7 @@ def test_a_limp_arm_is_what_simulate_gives_and_its_file_is_a_motion(capsys):
 
 
 def test_the_example_holds_its_goal():
-    assert run(_words(example(commands()["simulate"]))) == 0
+    assert run(_words(example(help_of("simulate")))) == 0
     motion = fb.read_motion(fb.load("2R"), "motion.csv")
     assert motion.q[-1] == pytest.approx([1.0, 0.5], abs=1e-3)
 

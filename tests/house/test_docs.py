@@ -12,7 +12,7 @@ import pytest
 import xarray
 
 import freebody as fb
-from support.command import commands, example, run, told
+from support.command import command_names, example, help_of, run
 from support.executed_notes import executing_once
 from support.listed import LOOP_KINDS
 from support.robots import KINDS
@@ -128,18 +128,18 @@ def test_every_page_can_be_reached_from_the_readme():
     assert sorted(name(page) for page in set(PAGES) - reached) == []
 
 
-HELP = {"": told(["--help"])[1], **commands()}
+COMMANDS = ["", *command_names()]
 
 
 @pytest.mark.sample(4)
-@pytest.mark.parametrize("command", HELP)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_has_an_example_that_runs(
     command: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ):
-    words = shlex.split(example(HELP[command]))
+    words = shlex.split(example(help_of(command)))
     assert words, f"freebody {command} --help shows no example"
     assert words[0] == command or not command
     monkeypatch.chdir(tmp_path)
@@ -147,11 +147,11 @@ def test_help_has_an_example_that_runs(
     assert (status, capsys.readouterr().err) == (0, "")
 
 
-@pytest.mark.parametrize("command", sorted(HELP))
+@pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_help_breaks_lines_where_the_terminal_does(command: str):
     """The source's line breaks would leave one word in a line: of two lines of a paragraph the
     first is so long that the next one's first word does not fit."""
-    about = HELP[command].partition("Usage:")[2].partition("╭")[0]
+    about = help_of(command).partition("Usage:")[2].partition("╭")[0]
     _, *paragraphs = re.split(r"\n *\n", about.strip())
     assert paragraphs
     for paragraph in paragraphs:

@@ -34,12 +34,22 @@ def told(arguments: Sequence[str]) -> tuple[int, str]:
 
 
 @cache
+def help_of(command: str) -> str:
+    """The help of a command; of freebody as a whole for ""."""
+    return told([command, "--help"] if command else ["--help"])[1]
+
+
+@cache
+def command_names() -> tuple[str, ...]:
+    """The names of all commands."""
+    listed = help_of("").partition("Commands")[2]
+    return tuple(re.findall(r"^\W*([a-z]+) {2,}\S", listed, re.MULTILINE))
+
+
+@cache
 def commands() -> dict[str, str]:
     """The help of every command, by its name."""
-    _, whole = told(["--help"])
-    listed = whole.partition("Commands")[2]
-    names = re.findall(r"^\W*([a-z]+) {2,}\S", listed, re.MULTILINE)
-    return {name: told([name, "--help"])[1] for name in names}
+    return {name: help_of(name) for name in command_names()}
 
 
 def example(help_text: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from support.command import commands
+from support.command import command_names
 from support.without_llvm import ELSEWHERE, HIDES
 
 TESTS = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def test_every_public_function_and_command_works(tmp_path: Path):
     found = json.loads(without_llvm(tmp_path, "-m", "support.without_llvm"))
     assert {name: problem for name, problem in found.items() if problem} == {}
     functions = {name for name in fb.__all__ if inspect.isfunction(getattr(fb, name))}
-    assert functions | {f"freebody {name}" for name in commands()} <= found.keys() | {
+    assert functions | {f"freebody {name}" for name in command_names()} <= found.keys() | {
         *ELSEWHERE,
         *(f"freebody {name}" for name in ELSEWHERE),
     }
