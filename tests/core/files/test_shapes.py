@@ -232,9 +232,12 @@ def test_the_hull_of_a_mesh(name, tmp_path):
 
 NAN = CLOUD[:2].copy()
 NAN[1, 2, 0] = np.nan
+SIGNAL = bytearray(stl(CLOUD[:2]))
+SIGNAL[96:100] = struct.pack("<I", 0x7FA00000)  # a NaN that NumPy warns of
 WRONG = {
     "count.stl": (stl(CLOUD, 201), "it tells of 201 triangles, and its length is that of 200"),
     "empty.stl": (stl(CLOUD[:0]), "there are no triangles in it"),
+    "signal.stl": (bytes(SIGNAL), "a corner is not of numbers below 1e+06"),
     "nan.stl": (stl(NAN), "a corner is not of numbers below 1e+06"),
     "words.stl": (
         b"solid\nvertex 1 two 3\n",
