@@ -171,6 +171,23 @@ def test_solids_are_filled_as_mujoco_fills_them(ours, theirs):
 
 
 # ---------------------------------------------------------------- meshes
+CORNER = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]])
+TETRAHEDRON = CORNER[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]]
+
+
+def test_a_mirrored_mesh_is_filled_as_its_mirror_image(tmp_path):
+    """The centre of a tetrahedron is the mean of its corners."""
+    extra("trimesh", name="mesh")
+    (tmp_path / "corner.stl").write_bytes(stl(TETRAHEDRON))
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf('<mesh filename="corner.stl" scale="1 -1 2"/>'))
+    model = fb.load(file, estimate_inertia=2.0)
+    T = homogeneous_of(model.shapes[0][1].placement)
+    _, com, _ = model.bodies[0].inertias[0].inertia.numbers()
+    expected = T[:3, :3] @ (CORNER.mean(axis=0) * [1, -1, 2]) + T[:3, 3]
+    np.testing.assert_allclose(com, expected, atol=1e-8)
+
+
 def stl(triangles: np.ndarray, count: int | None = None) -> bytes:
     """A binary STL file of triangles (n, 3, 3), which tells of `count` of them."""
     body = b"".join(
