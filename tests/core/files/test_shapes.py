@@ -171,6 +171,23 @@ def test_solids_are_filled_as_mujoco_fills_them(ours, theirs):
 
 
 # ---------------------------------------------------------------- meshes
+CORNER = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]])
+TETRAHEDRON = CORNER[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]]
+
+
+def test_a_mirrored_mesh_is_filled_as_its_mirror_image(tmp_path):
+    """The centre of a tetrahedron is the mean of its corners."""
+    extra("trimesh", name="mesh")
+    (tmp_path / "corner.stl").write_bytes(stl(TETRAHEDRON))
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf('<mesh filename="corner.stl" scale="1 -1 2"/>'))
+    model = fb.load(file, estimate_inertia=2.0)
+    T = homogeneous_of(model.shapes[0][1].placement)
+    _, com, _ = model.bodies[0].inertias[0].inertia.numbers()
+    expected = T[:3, :3] @ (CORNER.mean(axis=0) * [1, -1, 2]) + T[:3, 3]
+    np.testing.assert_allclose(com, expected, atol=1e-8)
+
+
 def stl(triangles: np.ndarray, count: int | None = None) -> bytes:
     """A binary STL file of triangles (n, 3, 3), which tells of `count` of them."""
     body = b"".join(
@@ -232,9 +249,12 @@ def test_the_hull_of_a_mesh(name, tmp_path):
 
 NAN = CLOUD[:2].copy()
 NAN[1, 2, 0] = np.nan
+SIGNAL = bytearray(stl(CLOUD[:2]))
+SIGNAL[96:100] = struct.pack("<I", 0x7FA00000)  # a NaN that NumPy warns of
 WRONG = {
     "count.stl": (stl(CLOUD, 201), "it tells of 201 triangles, and its length is that of 200"),
     "empty.stl": (stl(CLOUD[:0]), "there are no triangles in it"),
+    "signal.stl": (bytes(SIGNAL), "a corner is not of numbers below 1e+06"),
     "nan.stl": (stl(NAN), "a corner is not of numbers below 1e+06"),
     "words.stl": (
         b"solid\nvertex 1 two 3\n",

@@ -292,9 +292,10 @@ def test_nothing_is_asked_for_and_a_narrow_window_holds_it(page, path):
     ]
     assert asked == [path.as_uri()]
     assert page.get_log("browser") == []
-    narrow = {"width": 400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", narrow)
-    assert page.execute_script("return document.documentElement.scrollWidth") <= 400
+    for wide in (400, 920):
+        narrow = {"width": wide, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", narrow)
+        assert page.execute_script("return document.documentElement.scrollWidth") <= wide
 
 
 def test_without_scripts_it_is_a_drawing_and_a_table_of_limits(model, path, chromium):
