@@ -37,8 +37,8 @@ def regressor(model: Model, q: JointVector, qd: JointVector, qdd: JointVector) -
 
 
 def energy_regressor(model: Model, q: JointVector, qd: JointVector) -> Array:
-    """(..., 2, p): kinetic and potential energy (without the constants of springs and of links
-    fixed to the base) as linear functions of π."""
+    """Factors (..., 2, p) of π in the kinetic and in the potential energy, without the constants of
+    springs and of links fixed to the base."""
     return evaluate("energy_regressor", model, (q, qd))
 
 
