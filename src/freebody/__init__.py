@@ -85,12 +85,11 @@ _PLACES = {
         "operational_space_inertia",
         "operational_space_bias",
     ),
-    "freebody.trees.base_parameters": (
+    "freebody.trees.regressors": (
         "regressor",
         "energy_regressor",
         "inertial_parameters",
         "forward_dynamics_parameter_derivatives",
-        "base_parameters",
     ),
     "freebody.trees.controllers": (
         "pd_gravity",
@@ -101,6 +100,7 @@ _PLACES = {
         "momentum_observer",
     ),
     "freebody.trees.linearization_and_lqr": ("linearize", "discrete_lqr"),
+    "freebody.trees.base_parameters": ("base_parameters",),
     "freebody.trees.positions": (
         "neutral",
         "random_state",

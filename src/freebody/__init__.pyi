@@ -119,12 +119,6 @@ from freebody.robots import models as models
 from freebody.sweeps.samples import samples as samples
 from freebody.sweeps.sweep import sweep as sweep
 from freebody.trees.base_parameters import base_parameters as base_parameters
-from freebody.trees.base_parameters import energy_regressor as energy_regressor
-from freebody.trees.base_parameters import (
-    forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
-)
-from freebody.trees.base_parameters import inertial_parameters as inertial_parameters
-from freebody.trees.base_parameters import regressor as regressor
 from freebody.trees.controllers import admittance as admittance
 from freebody.trees.controllers import computed_torque as computed_torque
 from freebody.trees.controllers import impedance as impedance
@@ -164,6 +158,12 @@ from freebody.trees.positions import neutral as neutral
 from freebody.trees.positions import quat_wxyz as quat_wxyz
 from freebody.trees.positions import random_state as random_state
 from freebody.trees.positions import rotation as rotation
+from freebody.trees.regressors import energy_regressor as energy_regressor
+from freebody.trees.regressors import (
+    forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
+)
+from freebody.trees.regressors import inertial_parameters as inertial_parameters
+from freebody.trees.regressors import regressor as regressor
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
 from freebody.ways_out.fmus import export_fmu as export_fmu

@@ -144,7 +144,7 @@ class Outer(Dual):
 
 
 def slopes(x: Scalar, directions: int, kind: type[Dual] = Dual) -> list[Scalar]:
-    """The slopes of a scalar along 0 … directions - 1."""
+    """The slopes of a scalar along directions 0 to directions - 1, in their order."""
     known = x.slopes if type(x) is kind else {}
     return [known.get(k, 0.0) for k in range(directions)]
 

@@ -57,7 +57,6 @@ KNOWN = {
     ("identification/calibration/chain.py", "compile"): "fb.compile of a function of our own",
     ("locks.py", "import_module"): "modules of the table of public names, and those that are there",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
-    ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",
     ("sweeps/run.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
     ("model/description.py", "make_dataclass"): "the numbers of the laws of drives, by names that "

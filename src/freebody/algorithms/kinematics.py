@@ -61,7 +61,7 @@ def _by_body(
 
 
 def _some(x: Vector, places: Sequence[int]) -> Vector:
-    """Some entries of a vector."""
+    """The entries of a vector at some places."""
     return tuple([x[k] for k in places])
 
 

@@ -78,7 +78,7 @@ def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
 
 
 def parameter_values(tree: Tree) -> list[Scalar]:
-    """π of the tree, in the regressors' order."""
+    """The inertial parameters π of the tree, in the regressors' order."""
     values: list[Scalar] = []
     for i in tree.body_of:
         m, h, inertia = own_inertia(tree.space, tree.bodies[i])

@@ -88,8 +88,8 @@ class ScrewChain:
         return replace(self, screws=tuple(replace(s, rest=value) for s, value in at))
 
     def coordinates(self, x: Array, rest: Array) -> Array:
-        """q (..., nq) from joint positions x (..., n); what does not move the frame as in `rest`
-        (nq,)."""
+        """Positions q (..., nq) of the robot from those x (..., n) of the chain's joints; joints
+        that do not move the frame stand as in `rest` (nq,)."""
         q = np.broadcast_to(rest, (*x.shape[:-1], len(rest))).copy()
         q[..., self.index] = (x - self.offset) / self.ratio
         return q

@@ -75,7 +75,8 @@ def vectors_and_values(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
 
 
 def sense(way: Vector) -> Scalar:
-    """1 or -1: the sign of the entry that tells."""
+    """The sign, 1 or -1, of the first entry of a vector that has more than half the size of the
+    largest."""
     half: Scalar = 0.0
     for x in way:
         half = maximum(half, 0.5 * absolute(x))

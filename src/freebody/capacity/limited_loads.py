@@ -41,7 +41,7 @@ class LimitedLoads:
         return self.limits * (1.0 + CLOSE)
 
     def kept(self, slow: Array, fast: Array) -> Flags:
-        """(K,) whether the limits are surely kept at all paces from slow (K,) to fast (K,)."""
+        """Flags (K,) where the limits are surely kept at all paces from slow (K,) to fast (K,)."""
         loads = self.at(Interval(slow, fast))
         sizes = loads.size if isinstance(loads, Interval) else np.abs(loads)
         within = (sizes <= self.bound).all(axis=(-2, -1))

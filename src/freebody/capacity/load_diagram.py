@@ -62,7 +62,7 @@ class LoadDiagram(Tabled, ByValue, Pictured):
 
     @property
     def mass(self) -> Array:
-        """(k,), kg, the largest payload."""
+        """The largest payload (k,) at each offset, kg."""
         return np.asarray(self.by_joint.min(axis=-1))
 
     @property

@@ -129,7 +129,7 @@ def _of_bearings(
     terms = [(w, x) for w, x in zip(these.weights.T, here, strict=True) if w.any()]
 
     def at(k: Any) -> Array:
-        """The sizes; over an interval at most so large."""
+        """Sizes of the loads at a pace; over an interval of paces, bounds of them."""
         sizes = (_vector(polynomial, k) for _, polynomial in terms)
         each = [x.size if isinstance(x, Interval) else x for x in sizes]
         total = [w * np.linalg.norm(x, axis=-1) for (w, _), x in zip(terms, each, strict=True)]

@@ -57,7 +57,7 @@ class LoadTable(Tabled, ByValue):
 
     @property
     def instants(self) -> np.ndarray:
-        """(rows,), the sample at which each row is greatest in magnitude."""
+        """Index (rows,) of the sample at which each row is greatest in magnitude."""
         d = self.model.dim
         known = np.nan_to_num(self.wrench)
         sizes = [*np.abs(known).T, np.linalg.norm(known[:, :d], axis=1)]

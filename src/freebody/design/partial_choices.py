@@ -47,7 +47,7 @@ class Aims:
     def _aimed(
         self, k: int, partials: Sequence[PartialChoice], margins: Sequence[Array]
     ) -> list[PartialChoice]:
-        """The best way to go on at joint k for each aim."""
+        """The partial choices with a pair for joint k, the best one for each aim."""
         pairs, price, least = self.pairs.pairs[k], self.pairs.price[k], self.levels[0]
         scales = np.array([_typical(pairs.mass), _typical(price)])
         best: dict[tuple[float, int], tuple[float, PartialChoice, int, Array]] = {}

@@ -99,8 +99,8 @@ class SizingSearch:
         return best(found)
 
     def near_front(self) -> list[PartialChoice]:
-        """All choices of which no other is better in everything; where they are too many, some, and
-        for each other one that is as good within `tolerance`."""
+        """All choices of which no other is better in everything; where these are too many, some of
+        them, so that one of those is as good as each other one, within `tolerance`."""
         known = self.best_choices()
         if not known:
             return known

@@ -159,7 +159,8 @@ def _stopped(
     joints: Sequence[DriveJoint],
     drives: Mapping[str, tuple[Motor, Gear]],
 ) -> dict[str, Array]:
-    """Times, ways and loads (T, joints) at the samples of a segment."""
+    """Times (s), ways (rad, m) and loads of the gears (T, joints) of the stops that begin at each
+    sample of a segment."""
     q, qd, qdd, wrenches, _ = segment.states()
     loaded = segment.carried_by(bare)
     M, load = mass_matrix(loaded, q), inverse_dynamics(loaded, q, qd, 0.0 * qdd, wrenches)

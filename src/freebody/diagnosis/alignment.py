@@ -269,7 +269,7 @@ def _matchings(
 def _each_once(
     choices: Sequence[Sequence[Part | None]], taken: tuple[Part | None, ...] = ()
 ) -> Iterator[tuple[Part | None, ...]]:
-    """The ways to choose one of each, no part twice."""
+    """The ways to choose one candidate for each part, none of them twice."""
     if len(taken) == len(choices):
         yield taken
         return

@@ -140,12 +140,12 @@ class RobotFacts(Keeps):
 
     @cached_property
     def link(self) -> dict[str, LinkFacts]:
-        """Links by name."""
+        """The links of the robot by their names."""
         return {link.name: link for link in self.links}
 
     @cached_property
     def joint(self) -> dict[str, JointFacts]:
-        """Joints by name."""
+        """The joints of the robot by their names."""
         return {joint.name: joint for joint in self.joints}
 
     @cached_property

@@ -46,7 +46,7 @@ from freebody.identification.verdict import QUANTILE
 from freebody.lazy import kept
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.base_parameters import inertial_parameters
+from freebody.trees.regressors import inertial_parameters
 
 _UNLIKELY = 1e-4
 """Probability below which logs that differ by more than a load on this frame do so by no

@@ -24,7 +24,7 @@ from freebody.identification.regression import Regressed, regressed, suited
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
-from freebody.trees.base_parameters import inertial_parameters
+from freebody.trees.regressors import inertial_parameters
 
 _NOTHING = 1e-7
 """Part of the largest sensitivity (per kg, kg m, kg m²) below which a parameter has no effect."""

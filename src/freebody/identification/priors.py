@@ -16,8 +16,8 @@ from freebody.labels import aligned
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
-from freebody.trees.base_parameters import inertial_parameters
 from freebody.trees.kinematics import forward_kinematics
+from freebody.trees.regressors import inertial_parameters
 
 _THICK = 0.5
 """Radius of an estimated link, over its length."""

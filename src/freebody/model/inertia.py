@@ -335,7 +335,8 @@ def decimal_sum(numbers: Iterable[float]) -> float:
 
 
 def _steiner(m: float, d: np.ndarray) -> np.ndarray:
-    """m (d² 1 - d dᵀ), or m d² in the plane."""
+    """Inertia that is added by moving a mass by d, by Steiner's theorem: m (d² 1 - d dᵀ), or m d²
+    in the plane."""
     return m * (d @ d * np.eye(3) - np.outer(d, d)) if len(d) == 3 else np.array([[m * (d @ d)]])
 
 

@@ -174,7 +174,7 @@ def _entries(
 
 
 def _optional(name: str, given: Sequence | None, n: int) -> list:
-    """`given`, or n times None; refuses another length."""
+    """The given values, or n times None where none are given; refuses another number of them."""
     refuse_labelled(f"planar: {name}", given)
     if given is None:
         return [None] * n

@@ -14,8 +14,16 @@ from typing import Any, NamedTuple
 
 from freebody.dual import Outer, slopes, value
 from freebody.elementary import CHOOSES, Scalar, maximum, where
-from freebody.program.evaluate import VALUES, evaluated, flat, free_prefix, nested, values
-from freebody.program.program import Argument, Program
+from freebody.program.program import (
+    VALUES,
+    Argument,
+    Program,
+    evaluated,
+    flat,
+    free_prefix,
+    nested,
+    values,
+)
 from freebody.program.tracer import trace
 
 

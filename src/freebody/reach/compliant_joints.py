@@ -45,7 +45,7 @@ class CompliantJoints:
 
     @property
     def still(self) -> Index:
-        """(nv - k,), entries of q̇ that stand still."""
+        """Entries (nv - k,) of q̇ that stand still."""
         return np.setdiff1d(np.arange(self.model.nv), self.moving)
 
 

@@ -66,14 +66,14 @@ class Deflection(Tabled, ByValue):
 
     @property
     def distance(self) -> Array:
-        """(...), m, by which the frame's origin is displaced."""
+        """Distance (...) by which the frame's origin is displaced, m."""
         size = self.displacement.shape[-1]
         return np.asarray(np.linalg.norm(self.displacement[..., : 3 if size == 6 else 2], axis=-1))
 
     @property
     def far(self) -> np.ndarray:
-        """(...), whether an angle yields by more than 0.1 rad: a displacement in proportion to the
-        loads is then only a hint."""
+        """Flags (...) where an angle yields by more than 0.1 rad: a displacement in proportion to
+        the loads is then only a hint."""
         return np.asarray((np.abs(self.joints[..., list(self.turns)]) > _FAR).any(axis=-1))
 
     def to_xarray(self) -> xr.Dataset:

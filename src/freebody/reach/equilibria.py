@@ -173,7 +173,8 @@ def _divided(K: Array, torques: Array) -> Array:
 
 
 def _eigenvalues(K: Array) -> Array:
-    """(n, f), of the symmetric parts of K (n, f, f), or K itself where it is a diagonal (n, f)."""
+    """Eigenvalues (n, f) of the symmetric parts of K (n, f, f), or K itself where it is a diagonal
+    (n, f)."""
     found = K if K.ndim == 2 else np.linalg.eigvalsh(0.5 * (K + np.swapaxes(K, -1, -2)))
     return np.asarray(found, dtype=float)
 

@@ -68,13 +68,14 @@ class NaturalFrequencies(Tabled, ByValue):
 
     @property
     def frequencies(self) -> Array:
-        """(..., k), Hz; NaN where the robot does not oscillate but falls away."""
+        """Natural frequencies (..., k), Hz; NaN where the robot does not oscillate but falls
+        away."""
         falls = self.squares < 0.0
         return np.where(falls, np.nan, np.sqrt(np.where(falls, 0.0, self.squares)) / (2 * np.pi))
 
     @property
     def stable(self) -> np.ndarray:
-        """(...), whether no mode falls away from the posture."""
+        """Flags (...) where no mode falls away from the posture."""
         return np.asarray((self.squares >= 0.0).all(axis=-1))
 
     def to_xarray(self) -> xr.Dataset:

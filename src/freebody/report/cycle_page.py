@@ -16,7 +16,8 @@ from freebody.outputs.display import counted
 from freebody.outputs.number_text import percent
 from freebody.report.page import rendered, source
 from freebody.report.page_figures import CaptionedDrawing, robot
-from freebody.report.printed_columns import by_coordinate, effort_title
+from freebody.report.page_tables import drives
+from freebody.report.printed_columns import by_coordinate
 from freebody.report.tables import Head, ReportTable, WordsCell, table, typeset
 
 if TYPE_CHECKING:
@@ -56,23 +57,6 @@ def cycle_page(study: CycleStudy) -> str:
         power=power(study),
         count=counted(len(study.segments), "segment"),
     )
-
-
-def drives(study: CycleStudy) -> ReportTable:
-    """The table by which motors and gears are chosen, over the whole cycle."""
-    names = study.model.driven_names
-    columns = {
-        effort_title(study, names): "peak_torque",
-        "segment": "peak_torque_segment",
-        "at": "peak_torque_time",
-        "RMS": "rms_torque",
-        "Peak / limit": "effort_fraction",
-        "RMS / limit": "rms_fraction",
-        "Peak speed": "peak_speed",
-        "Speed / limit": "velocity_fraction",
-        "Peak power": "peak_power",
-    }
-    return by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: CycleStudy) -> ReportTable:

@@ -65,7 +65,7 @@ class UprightPlane:
     """(m, n, dim), m, world axes."""
 
     def project(self, point: Array) -> Array:
-        """(2,), m, of a point: its distance across, and its height."""
+        """The place (2,) of a point in the drawing, m: its distance across, and its height."""
         return np.array([(point - self.foot) @ self.across, point @ self.up])
 
 

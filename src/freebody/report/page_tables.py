@@ -38,17 +38,21 @@ from freebody.report.tables import (
 from freebody.report.variables import dataset
 
 if TYPE_CHECKING:
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
 
 _POSE = 8  # coordinates of a pose that a table has room for
 
 
-def drives(study: Study) -> ReportTable:
-    """The table by which motors and gears are chosen."""
+def drives(study: Study | CycleStudy) -> ReportTable:
+    """The table by which motors and gears are chosen, of a duty cycle with the segment of each
+    peak."""
     names = study.model.driven_names
+    segment = {"segment": "peak_torque_segment"}
     columns = {
         effort_title(study, names): "peak_torque",
+        **(segment if "peak_torque_segment" in study.summary else {}),
         "at": "peak_torque_time",
         "RMS": "rms_torque",
         "Peak / limit": "effort_fraction",

@@ -121,7 +121,8 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
 
 
 def share(part: Array, whole: Array) -> Array:
-    """What part is of the whole, entry by entry; NaN where the whole is not above 0."""
+    """The share that a part has of the whole, entry by entry; NaN where the whole is not above
+    0."""
     return np.divide(part, whole, out=np.full(np.shape(whole), np.nan), where=np.asarray(whole) > 0)
 
 

@@ -42,7 +42,7 @@ class PrintedNumber:
 
     @property
     def selector(self) -> str:
-        """The number's place in the data, `at`, as JSON."""
+        """The coordinates in the study's dataset at which the printed number stands, as JSON."""
         return json.dumps(dict(self.at))  # in ASCII: names arrive as they are
 
     @property

@@ -126,7 +126,7 @@ class Studied:
 
     @property
     def row_names(self) -> tuple[str, ...]:
-        """The names of the counted rows."""
+        """Names of the rows of the tip's motion that the page counts, such as vx."""
         return tuple(row_names(self.model.dim)[row] for row in self.rows)
 
     @property
@@ -167,12 +167,12 @@ def kernels(robot: Studied) -> Iterator[PageKernel]:
 
 
 def _placed(robot: Studied) -> Program:
-    """Placements of all bodies."""
+    """The program that computes the placements of all bodies."""
     return placement_program(robot.model)
 
 
 def _of(*names: str) -> Callable[[Studied], Program]:
-    """Quantities of the loaded robot."""
+    """A function that makes the program of quantities of the robot with its load."""
 
     def made(robot: Studied) -> Program:
         inputs = [f"{LOAD}.mass"] if robot.tip is not None else []
@@ -188,7 +188,7 @@ def _requested(model: Model, names: Any, **options: Any) -> Program:
 
 
 def _stepped(robot: Studied) -> Program:
-    """A step of a simulation."""
+    """The program that computes a step of the page's simulation."""
     return _of(_STEPS[robot.method])(robot)
 
 

@@ -1,70 +1,30 @@
-"""Inertial parameters: torques, energies and accelerations as linear functions of them, a kernel's
-call each, and base parameters, the combinations of them on which a robot's motion depends."""
+"""Base parameters in numbers: the combinations of masses and inertias on which a robot's motion
+depends."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from freebody.algorithms import regressor as regressors
 from freebody.algorithms.crba import Composite
+from freebody.algorithms.regressor import drives, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.kernels.formula_variants import refuse_struts
-from freebody.model.inertial_parameters import body_parameters, parameter_names
+from freebody.model.inertial_parameters import body_parameters
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
-from freebody.model.model_argument import require_model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
 from freebody.outputs.number_text import weighted_sum
-from freebody.trees.dynamics import where_all_move_mass
 from freebody.trees.positions import generic_state
-from freebody.trees.public_calls import JointVector, evaluate
-from freebody.trees.special_joints import refuse_passive
+from freebody.trees.regressors import inertial_parameters
 
 TOLERANCE = 1e-8
 """Relative rest below which a column of the regressor counts as a combination of those before
 it."""
-
-
-def regressor(model: Model, q: JointVector, qd: JointVector, qdd: JointVector) -> Array:
-    """Y (..., nv, p) with tau = Y π, π = `fb.inertial_parameters(model)`, in its order."""
-    return evaluate("regressor", model, (q, qd, qdd))
-
-
-def energy_regressor(model: Model, q: JointVector, qd: JointVector) -> Array:
-    """(..., 2, p): kinetic and potential energy (without the constants of springs and of links
-    fixed to the base) as linear functions of π."""
-    return evaluate("energy_regressor", model, (q, qd))
-
-
-def inertial_parameters(model: Model) -> dict[str, Any]:
-    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its
-    joint's origin, in its axes (plane: m, hx, hy, I); then of each joint with a drive the
-    numbers of the laws that act there by their names, such as viscous, rotor (J gear²) and
-    stiffness. Of a family arrays where members differ."""
-    require_model("inertial_parameters", model)
-    found = regressors.parameter_values(model.tree)
-    values = (x if isinstance(x, np.ndarray) else float(x) for x in found)
-    return dict(zip(parameter_names(model), values, strict=True))
-
-
-def forward_dynamics_parameter_derivatives(
-    model: Model, q: JointVector, qd: JointVector, tau: JointVector
-) -> Array:
-    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is
-    ∂tau/∂π.
-
-    Raises as `forward_dynamics_derivatives` does.
-    """
-    name = "forward_dynamics_parameter_derivatives"
-    if isinstance(model, Model) and model.passive:
-        refuse_passive(name, model, tau)
-    return evaluate(name, model, (q, qd, tau), None, None, where_all_move_mass)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,7 +109,7 @@ def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
             of_tree[i] = unit[n]
         moved = regroup(tree, of_tree, named=True)
         full[: bodies * size, column] = [x for i in tree.body_of for x in _entries(tree, moved[i])]
-    of_drives = sum(len(drive.parameters()) for drive in regressors.drives(tree))
+    of_drives = sum(len(drive.parameters()) for drive in drives(tree))
     candidates = staying + list(range(bodies * size, bodies * size + of_drives))
     return candidates, full[candidates]
 
@@ -175,7 +135,7 @@ def _samples(model: Model, columns: list[int]) -> Array:
     """The regressor's chosen columns at random states, stacked."""
     batch = 4 + 3 * len(columns) // max(1, model.nv)
     q, qd, qdd = (np.moveaxis(x, -1, 0) for x in generic_state(model, seed=0, batch=batch))
-    rows = regressors.regressor(model.tree, tuple(q), tuple(qd), tuple(qdd))
+    rows = regressor(model.tree, tuple(q), tuple(qd), tuple(qdd))
     return np.concatenate(
         [
             np.stack([np.broadcast_to(row[column], batch) for column in columns], axis=-1)

@@ -29,7 +29,7 @@ from freebody.program.derivative import (
     jacobian,
     slope_arguments,
 )
-from freebody.program.evaluate import evaluated
+from freebody.program.program import evaluated
 from freebody.spatial import dot, identity, transposed
 from freebody.ways_out.kernel import QuantityRequest
 

@@ -22,8 +22,8 @@ _RADIUS = 0.19
 
 
 def quadrotor() -> Figure:
-    """(a) the vehicle; (b) frames XYZ and xyz, rotors A to D, s_1; (c) F_1 to F_4 along body z, m
-    g, v."""
+    """Figure 6.3: (a) the vehicle; (b) frames XYZ and xyz, rotors A to D, s_1; (c) F_1 to F_4 along
+    body z, m g, v."""
     rotation = zxz(_EULER)
     model = load("quadrotor")
     q = [*_PLACE, *_quaternion(rotation)]

@@ -200,7 +200,7 @@ class BaseEquations(ClosedForm):
 
     @cached_property
     def _inertial(self) -> list[Trig]:
-        """τ without friction and springs."""
+        """Torques τ without those of friction and springs, by base parameters."""
         s = self.symbols
         bases = [s.ring[base.name] for base in self.bases]
         rows = regressor(s.tree, s.q, s.qd, s.qdd)

@@ -15,8 +15,8 @@ from freebody.arrays import Array
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.expression import Expression, Function, Symbol
 from freebody.program import Argument, Program, trace
-from freebody.program.evaluate import evaluated, values
 from freebody.program.passes import drop_dead, share_reciprocals
+from freebody.program.program import evaluated, values
 from freebody.scalars.expr import Expr, Graph
 from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_textbook.relations.formula_values import rank

@@ -103,7 +103,7 @@ class FreeBody:
 
     @property
     def mass(self) -> Quantity:
-        """The mass in the model, a number or parameter."""
+        """The mass of the free body, a number or a parameter of the model."""
         return part_with_mass(self.given.bodies[self.k]).inertia.mass
 
     @property

@@ -155,7 +155,8 @@ class ModularSetting(Setting):
         return self._layout
 
     def show_moved(self, x: Scalar) -> Expression:
-        """Printed component of a vector, like any other polynomial."""
+        """Printed component of a velocity, acceleration or force, which a modular derivation prints
+        as any other polynomial."""
         return self.show(x)
 
     # ------------------------------------------------------------ the recursion

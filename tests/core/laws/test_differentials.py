@@ -14,7 +14,7 @@ from freebody import FreebodyError, elementary
 from freebody.math import atan2, log, maximum, sin, sqrt, where
 from freebody.program import Argument, trace
 from freebody.program.derivative import applied, applied_back, directional, gradient, jacobian
-from freebody.program.evaluate import evaluated
+from freebody.program.program import evaluated
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program, settings
 from freebody.ways_out import differentials

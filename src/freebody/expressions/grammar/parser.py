@@ -92,7 +92,8 @@ class Parser(ABC):
         return self.token.kind == "begin" or self.token.text == "["
 
     def table(self) -> Matrix:
-        """[[a, b], [c, d]], [a, b], Matrix(…), or a LaTeX matrix."""
+        """Parse the vector or matrix that comes next: [[a, b], [c, d]], [a, b], Matrix(…), or one
+        of LaTeX."""
         first = self.take()
         if first.kind == "begin":
             rows = self._rows(("amp",), ("row",), "end")

@@ -17,8 +17,7 @@ from freebody.kernels.formulas import (
     regressors,
     steps,
 )
-from freebody.kernels.formulas.inputs import INPUTS, POSITIONS
-from freebody.kernels.formulas.record import Formula, Option
+from freebody.kernels.formulas.record import INPUTS, POSITIONS, Formula, Option
 
 __all__ = ["FORMER_NAMES", "FORMULAS", "INPUTS", "POSITIONS", "Formula", "Option"]
 

@@ -144,7 +144,7 @@ def _is_round(x: float) -> bool:
 
 
 def _different(masses: Iterable[float]) -> int:
-    """The number of masses that are not the same."""
+    """The number of masses, those that are almost the same counted once."""
     count, last = 0, 0.0
     for mass in sorted(masses):
         if mass > _APART * last:

@@ -166,7 +166,7 @@ class JointKind(ABC):
         return self.nv == (6 if dim == 3 else 3)
 
     def axis_size(self, dim: int) -> int:
-        """Entries of its axis in a space of so many dimensions."""
+        """The number of entries of the joint's axis, in space or in the plane."""
         return dim
 
     @abstractmethod

@@ -20,7 +20,7 @@ from freebody.arrays import (
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
 from freebody.kernels.formula_variants import several
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.formulas.inputs import INPUTS
+from freebody.kernels.formulas.record import INPUTS
 from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.kernels.parameter_inputs import InputKernel
 from freebody.labels import is_labelled, row_times

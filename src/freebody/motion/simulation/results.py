@@ -55,7 +55,7 @@ class Simulated:
     given: TorqueLaw | None = None
 
     def torques(self) -> Array:
-        """The torques (..., R, nv) at the times of the result."""
+        """Torques of the drives (..., R, nv) at the times of the result."""
         if self.tau is not None or self.given is None:
             return np.full(self.qd.shape, np.nan) if self.tau is None else self.tau
         found = np.empty(self.qd.shape)

@@ -33,7 +33,7 @@ from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
-from freebody.program.evaluate import evaluated
+from freebody.program.program import evaluated
 from freebody.spatial import Vector, add, identity, scale, sub
 
 STATE = ("t", "q", "qd")

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import importlib
 import importlib.metadata
 import importlib.util
 import struct
@@ -229,8 +228,4 @@ def _has_place() -> bool:
 
 
 def _api(position: int, result: Any, *arguments: Any) -> Any:
-    pointer = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._UFUNC_API, None)
-    address = ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position]
-    return ctypes.PYFUNCTYPE(result, *arguments)(address)
+    return ctypes.PYFUNCTYPE(result, *arguments)(fastcall.numpy_api("_UFUNC_API", position))

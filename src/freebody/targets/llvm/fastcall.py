@@ -69,8 +69,8 @@ def symbols(real: Real) -> dict[str, int]:
         "freebody.PyTuple_Type": id(tuple),
         "freebody.name.out": id(_OUT),
         f"freebody.descr.{real.dtype}": id(np.dtype(real.dtype)),
-        "freebody.PyArray_New": _array_api(_NEW),
-        "freebody.PyArray_Scalar": _array_api(_SCALAR),
+        "freebody.PyArray_New": numpy_api("_ARRAY_API", _NEW),
+        "freebody.PyArray_Scalar": numpy_api("_ARRAY_API", _SCALAR),
     }
 
 
@@ -114,8 +114,9 @@ def _new_function() -> Any:
 
 
 @cache
-def _array_api(position: int) -> int:
+def numpy_api(table: str, position: int) -> int:
+    """The address at a position of a table of NumPy's C functions, "_ARRAY_API" or "_UFUNC_API"."""
     pointer = ctypes.pythonapi.PyCapsule_GetPointer
     pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._ARRAY_API, None)
-    return ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position] or 0
+    found = pointer(getattr(importlib.import_module("numpy._core._multiarray_umath"), table), None)
+    return ctypes.cast(found, ctypes.POINTER(ctypes.c_void_p))[position] or 0

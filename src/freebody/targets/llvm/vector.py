@@ -91,13 +91,13 @@ class LaneValue:
 
     @property
     def bits(self) -> LaneValue:
-        """The 64 bits of a real as an integer."""
+        """The integer that has the same 64 bits as a real."""
         types = self.block.types
         return self.block.value("i", f"bitcast {types['v']} {self.name} to {types['i']}")
 
     @property
     def real(self) -> LaneValue:
-        """The real that has these 64 bits."""
+        """The real that has the same 64 bits as an integer."""
         types = self.block.types
         return self.block.value("v", f"bitcast {types['i']} {self.name} to {types['v']}")
 

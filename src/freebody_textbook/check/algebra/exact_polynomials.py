@@ -13,8 +13,17 @@ from freebody.expressions.grammar.parser import PI
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Function, Matrix, Power, Quotient
 from freebody.scalars.trig import Trig, TrigRing
-from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
-from freebody_textbook.check.algebra.quotients import Value, inverted, negative, pair, plus, times
+from freebody_textbook.check.algebra.quotients import (
+    Angle,
+    Named,
+    Value,
+    Wave,
+    inverted,
+    negative,
+    pair,
+    plus,
+    times,
+)
 from freebody_textbook.closed_chains.linear_equations import Ratio
 
 MOST_TERMS, MOST_WORK = 20_000, 2_000_000

@@ -21,8 +21,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import WAVES, function_of, symbol_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import TrigRing
-from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.quotients import Angle, Named, Value, Wave, pair
 from freebody_textbook.closed_chains.linear_equations import Ratio
 
 PRIME = 2**61 - 1

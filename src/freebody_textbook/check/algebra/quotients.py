@@ -1,10 +1,13 @@
-"""Quotients of polynomials in answers: arithmetic, and equality by cross multiplication."""
+"""Quotients of polynomials in answers: arithmetic, and equality by cross multiplication; and two
+leaves, beside those of `nodes`, of the trees that answers are read as."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 
 from freebody.errors import FreebodyError
+from freebody.expressions.nodes import Expression
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.linear_equations import Ratio
 
@@ -103,3 +106,26 @@ def generator(x: Value) -> str | None:
     if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
         return None
     return next(iter(terms[0][0]))
+
+
+Angle = tuple[tuple[str, int], ...]
+"""A sum of angles: names and whole factors."""
+
+
+class Named(Expression):
+    """A leaf of an expression tree: a name with its value."""
+
+    name: str
+    value: Value
+    is_derivative: bool = False
+    """Whether it is a derivative, named as it is written."""
+    is_generator: bool = False
+    """Whether the name is the ring's own for the value."""
+
+
+class Wave(Expression):
+    """A leaf of an expression tree: the sin or cos of a sum of angles and a constant."""
+
+    function: str
+    angle: Angle
+    turn: Fraction = Fraction(0)

@@ -23,7 +23,7 @@ from freebody.expressions.nodes import (
     Transposed,
     nodes,
 )
-from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.quotients import Named
 
 MOST_INVERTED = 3
 """Rows of matrices whose inverses are written out."""

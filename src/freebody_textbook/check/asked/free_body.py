@@ -11,7 +11,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Angle
+from freebody_textbook.check.algebra.quotients import Angle
 from freebody_textbook.check.asked.group import (
     NamedTarget,
     QuantityGroup,

@@ -1,19 +1,55 @@
-"""Letters that answers use for a model's numbers: g; m, I_x and l of a model with one body."""
+"""Letters that answers use for a model's numbers: those of the notes for each link of a planar arm,
+one table for all rooms of `check`; g; m, I_x and l of a model with one body."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
-from dataclasses import replace
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.quantities import units
+from freebody.expressions.quantities.units import Unit
 from freebody.model.bodies import Frame
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.placement import AxisRotation, Placement, Shift
 from freebody_textbook.methods.free_body_steps import thrusts_of
+
+
+@dataclass(frozen=True)
+class LinkSymbol:
+    """A parameter or coordinate of link k, such as l_k."""
+
+    letter: str
+    unit: Unit
+    also: tuple[str, ...] = ()
+    """Other letters by which answers call it."""
+    behind: tuple[str, ...] = ()
+    """Spellings with something behind the number, l1c."""
+    moves: bool = False
+    """Whether it is a coordinate."""
+
+    def spelt(self, k: int | str) -> Iterator[str]:
+        """Spellings of the symbol with a link's number."""
+        yield from (f"{letter}{k}" for letter in (self.letter, *self.also))
+        yield from (form.format(k=k) for form in self.behind if k)
+
+
+LINK_SYMBOLS = (
+    LinkSymbol("l", units.LENGTH),
+    LinkSymbol("lc", units.LENGTH, ("lC", "lG", "lg"), ("l{k}c",)),
+    LinkSymbol("m", units.MASS),
+    LinkSymbol("I", units.INERTIA, ("Ic", "IC", "IG", "Izz")),
+    LinkSymbol("theta", units.NONE, ("q", "th"), moves=True),
+    LinkSymbol("d", units.LENGTH, ("q",), moves=True),
+)
+PARAMETERS = tuple(x for x in LINK_SYMBOLS if not x.moves)
+COORDINATES = {x.letter: x for x in LINK_SYMBOLS if x.moves}
+BY_LETTER = {x.letter: x for x in LINK_SYMBOLS}
+
 
 LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
 """Names of the entries of an inertia tensor, as it is stored."""

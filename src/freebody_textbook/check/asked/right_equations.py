@@ -31,9 +31,8 @@ from freebody.model.number_names import catalogue
 from freebody.scalars.generators import generators_in, waves_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody_textbook.check.algebra.quotients import Value, pair, slope
-from freebody_textbook.check.asked.letters_for_numbers import with_letters
+from freebody_textbook.check.asked.letters_for_numbers import COORDINATES, PARAMETERS, with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
-from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.closed_chains.linear_equations import Ratio
 from freebody_textbook.closed_chains.loop_equations import LoopEquations

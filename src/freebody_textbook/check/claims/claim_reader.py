@@ -13,8 +13,7 @@ from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Expression, Matrix, Number, nodes
 from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
-from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
+from freebody_textbook.check.algebra.quotients import Named, Value, difference, generator, pair
 from freebody_textbook.check.algebra.tables_in_formulas import TableShape
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.claims.formula_reader import all_right, entry_label

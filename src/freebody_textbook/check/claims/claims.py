@@ -12,7 +12,7 @@ from freebody.expressions.grammar import words
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.notations.notation import BookNotation
-from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.quotients import Named
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import instead_of
 from freebody_textbook.check.asked.right_equations import RightEquations

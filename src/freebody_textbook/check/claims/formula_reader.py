@@ -25,9 +25,8 @@ from freebody.expressions.nodes import (
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.quotients import Value, difference
+from freebody_textbook.check.algebra.quotients import Named, Value, Wave, difference
 from freebody_textbook.check.algebra.tables_in_formulas import TableShape, worked_out
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import held, held_by_loops

@@ -17,8 +17,14 @@ from freebody.expressions.quantities.kinds import SHARED_LETTERS
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
-from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
+from freebody_textbook.check.algebra.quotients import (
+    Named,
+    Value,
+    Wave,
+    difference,
+    generator,
+    pair,
+)
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
 from freebody_textbook.check.numbers.units_of_symbols import is_of_another_kind

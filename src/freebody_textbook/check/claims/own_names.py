@@ -14,14 +14,13 @@ from freebody.expressions.notations.notation import BookNotation
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities.kinds import SHARED_LETTERS
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Named, Value
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.letters_for_numbers import LINK_SYMBOLS
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import entry_label
-from freebody_textbook.check.link_symbols import LINK_SYMBOLS
 from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import FUNCTIONS, Vocabulary

@@ -15,9 +15,10 @@ from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check import accepted_variants
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import (
+    Named,
     Value,
+    Wave,
     difference,
     inverted,
     negative,

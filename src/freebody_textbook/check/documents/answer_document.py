@@ -133,7 +133,8 @@ class Blanks:
             at = max(at, end)
 
     def inside(self, span: Span) -> str:
-        """The current text of a stretch."""
+        """The text of a stretch of the document, with blanks in place of what has been taken out of
+        it."""
         return "".join(self.characters[slice(*span)])
 
     def replace(

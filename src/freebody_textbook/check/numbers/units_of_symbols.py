@@ -12,9 +12,9 @@ from freebody.expressions.quantities.units import Unit, si_text
 from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.asked.letters_for_numbers import BY_LETTER
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.link_symbols import BY_LETTER
 from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _TEXTS = {

@@ -172,7 +172,8 @@ class DocumentReader:
 
     @cached_property
     def _introduced(self) -> frozenset[str]:
-        """Words that make up the left side of an equation."""
+        """Words of the document that stand alone on the left of an equation, which so gives them a
+        meaning."""
         return frozenset(match["word"] for match in _INTRODUCED.all(self.document.lexemes))
 
     def _is_asked(self, source: Source, span: Span) -> bool:

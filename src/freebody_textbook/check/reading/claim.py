@@ -9,8 +9,7 @@ from typing import NoReturn
 
 from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.nodes import Expression, nodes
-from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Named, Value
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText

@@ -28,9 +28,8 @@ from freebody.expressions.nodes import (
     nodes,
 )
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Named, Value, Wave
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.reading.written_derivatives import DerivativeParser

@@ -20,11 +20,10 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.identifiers import word_set
 from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Angle
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Angle, Value
 from freebody_textbook.check.asked import free_body, loads
+from freebody_textbook.check.asked.letters_for_numbers import COORDINATES, PARAMETERS
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER, is_multiplier
 
 if TYPE_CHECKING:

@@ -8,9 +8,15 @@ from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.parser import Parser
 from freebody.expressions.grammar.tables.characters import TOTAL
 from freebody.expressions.nodes import Expression, Matrix, Span
-from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.quotients import Value, generator, inverted, slope, times
+from freebody_textbook.check.algebra.quotients import (
+    Named,
+    Value,
+    generator,
+    inverted,
+    slope,
+    times,
+)
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.reading.claim import uses

@@ -12,8 +12,8 @@ from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.finite_field import Workspace
+from freebody_textbook.check.algebra.quotients import Named, Wave
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations

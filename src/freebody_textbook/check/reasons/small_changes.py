@@ -29,9 +29,8 @@ from freebody.expressions.nodes import (
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
 from freebody_textbook.check.algebra.finite_field import PRIME, Workspace, rational
-from freebody_textbook.check.algebra.quotients import Value, generator
+from freebody_textbook.check.algebra.quotients import Angle, Named, Value, Wave, generator
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))

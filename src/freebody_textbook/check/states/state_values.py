@@ -16,8 +16,7 @@ from freebody.expressions.nodes import Arguments, Expression, Function, nodes
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.quotients import Named, Value, Wave, pair
 from freebody_textbook.closed_chains.linear_equations import Ratio
 
 EQUAL = 1e-9

@@ -21,7 +21,6 @@ from freebody_textbook.check.accepted_variants import (
     in_its_scale,
     is_undriven_equation,
 )
-from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.finite_field import (
     Point,
@@ -29,7 +28,7 @@ from freebody_textbook.check.algebra.finite_field import (
     random_point,
     without_values,
 )
-from freebody_textbook.check.algebra.quotients import Value, difference
+from freebody_textbook.check.algebra.quotients import Named, Value, difference
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.more_of_bodies import MOVES
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken

@@ -19,9 +19,8 @@ from freebody.outputs.number_text import shortest
 from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.finite_field import RealPoint
-from freebody_textbook.check.algebra.quotients import Value, pair, put
+from freebody_textbook.check.algebra.quotients import Named, Value, pair, put
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.given_states import (

@@ -9,8 +9,7 @@ from dataclasses import replace
 from freebody.errors import listed
 from freebody.expressions.nodes import Expression, Negative, Sum, nodes
 from freebody.expressions.printed_names import sym
-from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.algebra.quotients import Named, generator
 from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.verdict import EquationVerdict

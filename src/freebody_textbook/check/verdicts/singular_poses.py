@@ -14,8 +14,7 @@ from freebody.expressions.grammar.source import Span
 from freebody.expressions.quantities import kinds
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value, put
+from freebody_textbook.check.algebra.quotients import Named, Value, put
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks

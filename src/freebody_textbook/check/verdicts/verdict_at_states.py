@@ -14,9 +14,8 @@ from freebody.expressions.nodes import Expression, Function, nodes, replaced
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.finite_field import is_square, without_values
-from freebody_textbook.check.algebra.quotients import Value, generator, pair
+from freebody_textbook.check.algebra.quotients import Named, Value, generator, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.given_states import in_words
 from freebody_textbook.check.numbers.units_of_symbols import in_other_units, unit_of

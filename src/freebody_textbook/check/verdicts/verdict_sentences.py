@@ -26,10 +26,9 @@ from freebody.expressions.printed_names import sym, with_letter
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.outputs.number_text import shortest
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.finite_field import Workspace
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.quotients import Named, Value, Wave, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.polynomial_differences import Difference, printed
