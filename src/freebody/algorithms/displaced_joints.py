@@ -11,6 +11,8 @@ here a shift or turn s of body j's joint, with Ψ̇ = v_parent × s and Ψ̈ = a
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from freebody.algorithms.crba import momentum_of
 from freebody.algorithms.derivatives import accelerations
 from freebody.algorithms.kinematics import Column, Pose, ancestors
@@ -38,43 +40,56 @@ from freebody.spatial import (
 )
 
 
-def by_displacements(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> list[list[list[Scalar]]]:
+def by_displacements(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> list[list[Vector]]:
     """Derivatives of tau, without drives, for each body by the shifts of its joint along the axes
     of the joint's own frame as it is placed, and then by its turns about them: rows of nv."""
-    space, count = tree.space, len(tree.bodies)
-    world = world_tree(tree, q, qd)
+    space, world = tree.space, world_tree(tree, q, qd)
     a, _, forces = accelerations(tree, world, q, qd, qdd)
-    still = (space.zero_angular, space.zero)
-    base = (space.zero_angular, neg(world.gravity))
-    of_torques = [_of_torques(tree, world, k) for k in range(count)]
-    behind = [[k for k in range(count) if j in ancestors(tree, k)] for j in range(count)]
+    of_torques = [_of_torques(tree, world, k) for k in range(len(tree.bodies))]
     found = []
     for j, body in enumerate(tree.bodies):
-        I, B = world.inertia[j], world.coriolis[j]
         v_parent, a_parent = (
-            (still, base) if body.parent < 0 else (world.v[body.parent], a[body.parent])
+            (space.zero_angular, space.zero),
+            (
+                space.zero_angular,
+                neg(world.gravity),
+            ),
         )
+        if body.parent >= 0:
+            v_parent, a_parent = world.v[body.parent], a[body.parent]
+        behind = [k for k in range(len(tree.bodies)) if j in ancestors(tree, k)]
         rows = []
         for s in _displacements(space, _placed(tree, world, q, j)):
             psi = cross_motion(space, v_parent, s)
             rate = plus_motion(cross_motion(space, a_parent, s), cross_motion(space, v_parent, psi))
-            twice = (scale(2.0, x) for x in coriolis_times(space, B, psi))
-            force = plus_motion(tuple(twice), momentum_of(space, I, rate))
+            moment, push = coriolis_times(space, world.coriolis[j], psi)
+            force = plus_motion(
+                (scale(2.0, moment), scale(2.0, push)),
+                momentum_of(space, world.inertia[j], rate),
+            )
             force = plus_motion(force, cross_force(space, s, forces[j]))
-            row: list[Scalar] = [0.0] * tree.nv
-            for i in ancestors(tree, body.parent):
-                for at, column in zip(tree.bodies[i].coordinates.v, world.S[i], strict=True):
-                    torque = dot_motion(column, force)
-                    row[at] = row[at] + tree.bodies[i].coordinates.felt(q, torque)
-            for k in behind[j]:
-                for at, (back, carried) in zip(
-                    tree.bodies[k].coordinates.v, of_torques[k], strict=True
-                ):
-                    torque = dot(psi[0], back) + dot_motion(rate, carried)
-                    row[at] = row[at] + tree.bodies[k].coordinates.felt(q, torque)
-            rows.append(row)
+            torques = {
+                i: [dot_motion(column, force) for column in world.S[i]]
+                for i in ancestors(tree, body.parent)
+            } | {
+                k: [
+                    dot(psi[0], back) + dot_motion(rate, carried) for back, carried in of_torques[k]
+                ]
+                for k in behind
+            }
+            rows.append(_felt(tree, q, torques))
         found.append(rows)
     return found
+
+
+def _felt(tree: Tree, q: Vector, torques: Mapping[int, Sequence[Scalar]]) -> Vector:
+    """The torques (nv) that coordinates feel, from those along the columns of bodies' joints."""
+    tau: list[Scalar] = [0.0] * tree.nv
+    for i, own in torques.items():
+        at = tree.bodies[i].coordinates
+        for k, torque in zip(at.v, own, strict=True):
+            tau[k] = tau[k] + at.felt(q, torque)
+    return tuple(tau)
 
 
 def _of_torques(tree: Tree, world: WorldTree, k: int) -> list[tuple[Vector, Column]]:

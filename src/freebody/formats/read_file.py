@@ -73,7 +73,7 @@ def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:
         raise FileError(shown(str(path)), None, "there is no such file.") from None
     if len(data) > most:
         raise FileError(path, None, f"the file has more than {_size(most)}, too much for {what}.")
-    if not data.strip():
+    if not data or data.isspace():
         raise FileError(path, None, "the file is empty.")
     return data
 
@@ -89,7 +89,9 @@ def decoded(file: str, data: bytes) -> str:
 
 def lines(text: str) -> list[str]:
     """The lines of a text as editors count them, with the line ends of any system."""
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.split("\n")
 
 
 def cells(file: str | Path, line: int, text: str, delimiter: str = ",") -> list[str]:

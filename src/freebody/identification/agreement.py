@@ -112,8 +112,8 @@ def _informed(
     for j, (rows, spline) in enumerate(zip(found.rows, base.splines, strict=True)):
         laws = (rows.unknowns >= b) & (rows.unknowns < found.size)
         at, k = rows.unknowns[rows.unknowns < b], int((rows.unknowns < b).sum())
-        parts = (rows.x[:, rows.unknowns < b], rows.x[:, laws], spline, first.residuals[j][:, None])
-        products = _products(np.concatenate(parts, axis=1), first.weights[j], pieces[rows.places])
+        columns = (rows.x[:, : k + int(laws.sum())], spline, first.residuals[j][:, None])
+        products = _products(columns, first.weights[j], pieces[rows.places])
         present = np.unique(pieces[rows.places])
         x = np.tensordot(flags[:, :, present], products, axes=1)
         of_friction = inverse_products(x[..., k:-1, k:-1]) @ x[..., k:-1, :]
@@ -123,14 +123,15 @@ def _informed(
     return information, moments
 
 
-def _products(x: Array, weights: Array, pieces: NDArray[np.intp]) -> Array:
+def _products(columns: Sequence[Array], weights: Array, pieces: NDArray[np.intp]) -> Array:
     """Weighted products (pieces, c, c) of columns with each other, piece by piece of those that
     there are."""
     starts = np.flatnonzero(np.diff(pieces, prepend=-1))
-    ends = [*starts[1:], len(pieces)]
-    return np.stack(
-        [x[a:z].T @ (x[a:z] * weights[a:z, None]) for a, z in zip(starts, ends, strict=True)]
-    )
+    found = []
+    for a, z in zip(starts, [*starts[1:], len(pieces)], strict=True):
+        x = np.concatenate([part[a:z] for part in columns], axis=1)
+        found.append(x.T @ (x * weights[a:z, None]))
+    return np.stack(found)
 
 
 def _difference(own: Array, own_moment: Array, whole: Array, moment: Array) -> tuple[float, int]:

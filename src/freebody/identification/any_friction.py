@@ -36,8 +36,8 @@ _TOLD = 1e-6
 class BaseEstimate(NamedTuple):
     """Base parameters (b,), their covariance, which of them the logs do not tell, and of each joint
     the probability that noise alone makes its friction differ from the laws as much as it does.
-    noise: (n,) variance of an independent sample of each joint. splines: the columns of each
-    joint's rows that make its friction any function."""
+    noise: (n,) variance of an independent sample of each joint. splines: columns of joints' rows
+    that make its friction any function."""
 
     values: Array
     covariance: Array

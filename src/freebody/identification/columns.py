@@ -34,8 +34,6 @@ LOST_ROTOR = "load_friction*rotor"
 """Name, behind the joint's, of the product of load-dependent friction and a rotor's inertia."""
 _LEAST_LOSS = 1e-3
 """Part of the transmitted torque below which its loss tells nothing of what is transmitted."""
-_TORQUES_AT_ONCE = 256
-"""States whose columns are in memory at once: 0.4 MB of a six-joint arm's, within the cache."""
 
 
 class FrictionLaw(NamedTuple):
@@ -131,19 +129,13 @@ class Columns:
         """Whether friction of some joint depends on the torque that it transmits."""
         return any(row.load is not None for row in self.rows)
 
-    def transmitted(self, base: Array, q: Array, qd: Array, qdd: Array) -> Array:
-        """Torques (N, n) of base parameters (b,), without friction, at states (N, n)."""
-        n = len(self.joints)
-        found, buffer = np.empty((len(q), n)), np.empty((_TORQUES_AT_ONCE, self.width))
-        values, zeros = np.zeros((self.width, n)), np.zeros((_TORQUES_AT_ONCE, n))
+    def sums_to_torques(self, base: Array) -> Array:
+        """(width, n) by which the kernel's results add up to torques of base parameters (b,),
+        without friction."""
+        values, own = np.zeros((self.width, len(self.joints))), np.append(base, 0.0)
         for j, row in enumerate(self.rows):
-            values[row.results, j] = np.append(base, 0.0)[np.minimum(row.unknowns, self.base)]
-        for start in range(0, len(q), _TORQUES_AT_ONCE):
-            part = slice(start, min(start + _TORQUES_AT_ONCE, len(q)))
-            x = buffer[: part.stop - part.start]
-            self.kernel(q[part], qd[part], qdd[part], zeros[: len(x)], out=x)
-            np.matmul(x, values, out=found[part])
-        return found
+            values[row.results, j] = own[np.minimum(row.unknowns, self.base)]
+        return values
 
     def results(self, q: Array, qd: Array, qdd: Array) -> Array:
         """The kernel's results (..., width) at states."""

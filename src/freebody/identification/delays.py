@@ -25,14 +25,19 @@ _LONGEST = 0.25
 """Delay (s) either way beyond which a log is not put right."""
 
 
-def delay_of(found: LogEquations, first: Regressed, base: BaseEstimate) -> Delay | None:
-    """The time by which torques come later than positions, or None where that is no more than
-    noise, or no base parameter feels it. It can be corrected unless it is longer than any clock's
-    or filter's."""
+def delay_of(
+    found: LogEquations, first: Regressed, base: BaseEstimate, before: float
+) -> Delay | None:
+    """The time by which torques come later than positions, or None where, beyond what was put right
+    before (s), that is no more than noise, or no base parameter feels it. It can be corrected
+    unless it is longer than any clock's or filter's."""
     looked_at, residuals, own = middles(found, first, base)
     columns = [-_slopes(looked_at, first, j)[:, None] for j in range(len(found.rows))]
     told = standing_out(looked_at, residuals, own, columns)
-    return None if told is None else Delay(told.value, told.half, abs(told.value) <= _LONGEST)
+    if told is None:
+        return None
+    seconds = before + told.value
+    return Delay(seconds, told.half, abs(seconds) <= _LONGEST)
 
 
 def _slopes(found: LogEquations, first: Regressed, j: int) -> Array:

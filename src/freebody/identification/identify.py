@@ -155,7 +155,7 @@ def identify(
     told = ToldScale(fit.scale.interval(QUANTILE), load)
     if lmi:
         held = replace(held, source="nothing")
-    if columns.by_load:
+    if columns.by_load and not found.transmit_alike(fit.values, first.values):
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
     checked, fits = _validated(columns, model, earlier(unseen, late), gains, fit, cutoff)
@@ -208,16 +208,30 @@ def _in_time(
     being of the same time; and by how much they were not."""
     late: Delay | None = None
     for more in reversed(range(_PUT_RIGHT + 1)):
-        given = earlier(logs, 0.0 if late is None else late.seconds)
-        found, first = _solved(model, columns, given, held, cutoff, smooth)
-        base = with_any_friction(found, first)
-        told = delay_of(found, first, base) if more else None
-        if told is not None:
-            before = 0.0 if late is None else late.seconds
-            late = told._replace(seconds=before + told.seconds)
-        if told is None or not told.corrected:
+        before = 0.0 if late is None else late.seconds
+        found, first, base = _estimated(model, columns, earlier(logs, before), held, cutoff, smooth)
+        told = delay_of(found, first, base, before) if more else None
+        late = told or late
+        if told is None:
+            break
+        if not told.corrected:
+            if before:  # what was put right so far was not all: the logs stay as they are
+                found, first, base = _estimated(model, columns, logs, held, cutoff, smooth)
             break
     return found, first, base, late
+
+
+def _estimated(
+    model: Model,
+    columns: Columns,
+    logs: Sequence[Log],
+    held: Prior,
+    cutoff: float,
+    smooth: float | None,
+) -> tuple[LogEquations, Regressed, BaseEstimate]:
+    """The regression of logs and their base parameters whatever the friction."""
+    found, first = _solved(model, columns, logs, held, cutoff, smooth)
+    return found, first, with_any_friction(found, first)
 
 
 def _solved(
@@ -239,8 +253,9 @@ def _solved(
         columns, start = suited("identify", columns, logs, given, cutoff, of_prior)
     else:
         columns = replace(columns, smooth=smooth)
-    found = equations("identify", columns, logs, given, cutoff)
-    return found, regressed(found, of_prior, None if by_current else start)
+    start = None if by_current else start
+    found = equations("identify", columns, logs, given, cutoff, start)
+    return found, regressed(found, of_prior, start)
 
 
 def _require_load(loaded: Sequence[Log], load: float | None) -> None:

@@ -3,7 +3,7 @@ which are all that least squares asks of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,6 +19,12 @@ from freebody.identification.logs.log import Log, LogStates
 REST = 0.02
 """Rate (rad/s, m/s) up to which a joint counts as resting, where dry friction is any torque that
 holds: such rows are left out."""
+_SAME = 1e-4
+"""Part of a joint's torque up to which a change of what it transmits is no matter; friction is a
+small part of that."""
+_TORQUES_AT_ONCE = 256
+"""Samples whose columns are in memory at once while transmitted torques are summed: 0.4 MB of a
+six-joint arm's, within the cache."""
 
 
 class Prepared(NamedTuple):
@@ -103,22 +109,19 @@ class LogEquations:
         return max(p.filter.step / p.log.rate for p in self.prepared)
 
     def put_loads(self, values: Array) -> None:
-        """Puts into the columns of load-dependent friction what joints transmit with these
-        unknowns: of T = Y base - J q̈, without rotors, a part is lost, a |T| sign(q̇)."""
-        (base, rotors), n = self.columns.of_bodies(values), len(self.rows)
-        loads = np.empty((2 * n, sum(len(p.places) for p in self.prepared)))
-        start = 0
-        for p in self.prepared:
-            torque = self.columns.transmitted(base, *p.states)
-            s = self.columns.sign(p.states.qd) * np.sign(torque - rotors * p.states.qdd)
-            both = np.concatenate([s * torque, -s * p.states.qdd], axis=1)
-            own = loads[:, start : start + len(p.places)]
-            for where, x in p.filter.filtered(p.places, both.__getitem__):
-                own[:, where] = x.T
-            start += len(p.places)
-        for j, rows in enumerate(self.rows):
-            count = rows.load.stop - rows.load.start
-            rows.put(rows.load, loads[[j, n + j][:count]][:, rows.places].T)
+        """Puts what joints transmit with these unknowns into the columns of load-dependent
+        friction."""
+        loads = _Loads.of(self.columns, values)
+        whole = np.concatenate([loads.of_log(p) for p in self.prepared])
+        for rows, at in zip(self.rows, loads.results, strict=True):
+            rows.put(rows.load, whole[rows.places][:, at])
+
+    def transmit_alike(self, values: Array, others: Array) -> bool:
+        """Whether joints transmit the same with these unknowns as with others, to a part of their
+        torque that no figure of a residual shows."""
+        change = (values - others) * (np.arange(self.size) < self.columns.base)
+        pairs = zip(self.rows, self.sums(change), strict=True)
+        return all(x @ x <= _SAME**2 * (rows.y @ rows.y) for rows, x in pairs)
 
     def sums(self, values: Array) -> list[Array]:
         """The sums of each joint's columns, torques or currents."""
@@ -132,11 +135,13 @@ def equations(
     logs: Sequence[Log],
     given: Sequence[Array] | None,
     cutoff: float,
+    values: Array | None = None,
 ) -> LogEquations:
     """The filtered equations of logs.
 
     given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
-    Raises FreebodyError where a joint has too few samples that move.
+    values: unknowns of which transmitted torques are made for load-dependent friction, whose
+    columns else are 0. Raises FreebodyError where a joint has too few samples that move.
     """
     prepared = tuple(_prepared(log, cutoff) for log in logs)
     currents = given is None
@@ -145,15 +150,21 @@ def equations(
     moves = np.abs(rate) > REST
     joints = range(len(columns.joints))
     parts = [_empty(function, columns, j, moves[:, j], currents) for j in joints]
+    loads = None if values is None or not columns.by_load else _Loads.of(columns, values)
     start, filled = 0, np.zeros(len(parts), dtype=np.intp)
     for p, right in zip(prepared, sums, strict=True):
-        for where, found in _filtered(columns, p, np.asarray(right)):
+        samples = _samples(columns, p, np.asarray(right), loads)
+        for where, found in p.filter.filtered(p.places, samples):
             moving = moves[start + where.start : start + where.stop]
             for j, (row, (x, y, _)) in enumerate(zip(columns.rows, parts, strict=True)):
-                used = found[moving[:, j]]
-                at = slice(filled[j], filled[j] + len(used))
-                x[at, : len(row.unknowns)] = used[:, row.results]
-                y[at] = used[:, columns.width + j]
+                used = np.flatnonzero(moving[:, j])
+                rows = found if len(used) == len(found) else found[used]
+                at, first = slice(filled[j], filled[j] + len(used)), len(row.unknowns)
+                x[at, :first] = rows[:, row.results]
+                y[at] = rows[:, columns.width + j]
+                if loads is not None:
+                    behind = columns.width + len(parts) + loads.results[j]
+                    x[at, first : first + len(behind)] = rows[:, behind]
                 filled[j] = at.stop
         start += len(p.places)
     rows = []
@@ -185,19 +196,65 @@ def _empty(
     return np.zeros((count, len(unknowns))), np.empty(count), unknowns
 
 
-def _filtered(columns: Columns, p: Prepared, given: Array) -> Iterator[tuple[slice, Array]]:
-    """(which of the kept samples, filtered columns with what they add up to), part by part."""
-    buffer = np.empty((0, columns.width + len(columns.joints)))
+class _Loads(NamedTuple):
+    """What joints transmit, for the columns of load-dependent friction: of T = Y base - J q̈,
+    without rotors, a part is lost, a |T| sign(q̇).
 
-    def samples(part: slice) -> Array:
-        nonlocal buffer
-        size = part.stop - part.start
-        if size > len(buffer):
-            buffer = np.empty((size, buffer.shape[1]))
-        x = buffer[:size]
+    sums: (width, n) by which the kernel's results add up to Y base. rotors: (n,) J. results: of
+    each joint's columns, places among sign(T) T sign(q̇) of all joints, and behind them -sign(T) q̈
+    sign(q̇).
+    """
+
+    columns: Columns
+    sums: Array
+    rotors: Array
+    results: list[NDArray[np.intp]]
+
+    @staticmethod
+    def of(columns: Columns, values: Array) -> _Loads:
+        """The loads with these unknowns."""
+        base, rotors = columns.of_bodies(values)
+        n = len(columns.joints)
+        results = [np.array([j, n + j][: len(row.by_load)]) for j, row in enumerate(columns.rows)]
+        return _Loads(columns, columns.sums_to_torques(base), rotors, results)
+
+    def put(self, found: Array, signs: Array, qdd: Array, out: Array) -> None:
+        """Writes the columns (k, 2 n) of samples, from the kernel's results there."""
+        n, torque = len(self.rotors), found @ self.sums
+        signs = signs * np.sign(torque - self.rotors * qdd)
+        np.multiply(signs, torque, out=out[:, :n])
+        np.multiply(-signs, qdd, out=out[:, n:])
+
+    def of_log(self, p: Prepared) -> Array:
+        """The filtered columns (samples, 2 n) of a log."""
+        loads = np.empty((len(p.states.q), 2 * len(self.rotors)))
+        room = np.empty((_TORQUES_AT_ONCE, self.columns.width))
+        for start in range(0, len(loads), _TORQUES_AT_ONCE):
+            part = slice(start, start + _TORQUES_AT_ONCE)
+            q, qd, qdd = (state[part] for state in p.states)
+            signs, found = self.columns.sign(qd), room[: len(q)]
+            self.columns.kernel(q, qd, qdd, signs, out=found)
+            self.put(found, signs, qdd, loads[part])
+        return np.concatenate([x for _, x in p.filter.filtered(p.places, loads.__getitem__)])
+
+
+def _samples(
+    columns: Columns, p: Prepared, given: Array, loads: _Loads | None
+) -> Callable[[slice], Array]:
+    """The columns of a range of a log's samples, with what they add up to, and then the loads."""
+    width, n = columns.width, len(columns.joints)
+    room = np.empty((0, width + n + (0 if loads is None else 2 * n)))
+
+    def columns_of(part: slice) -> Array:
+        nonlocal room
         q, qd, qdd = (state[part] for state in p.states)
-        columns.kernel(q, qd, qdd, columns.sign(qd), out=x[:, : columns.width])
-        x[:, columns.width :] = given[part]
+        if len(q) > len(room):
+            room = np.empty((len(q), room.shape[1]))
+        x, signs = room[: len(q)], columns.sign(qd)
+        columns.kernel(q, qd, qdd, signs, out=x[:, :width])
+        x[:, width : width + n] = given[part]
+        if loads is not None:
+            loads.put(x[:, :width], signs, qdd, x[:, width + n :])
         return x
 
-    return p.filter.filtered(p.places, samples)
+    return columns_of

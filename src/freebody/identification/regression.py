@@ -71,7 +71,8 @@ def regressed(
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
     round to round until none does. held: base parameters by which gains are scaled at first.
-    start: unknowns of which transmitted torques are near the right ones, so that fewer rounds do.
+    start: unknowns near the right ones by which the equations' transmitted torques were made, so
+    that fewer rounds do.
     """
     gains = np.ones(len(found.rows)) if held is None else first_gains(found.rows, held)
     first = gains
@@ -79,8 +80,9 @@ def regressed(
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
     values, residuals = np.zeros(found.size) if start is None else start, []
     more = _OF_CURRENTS * found.currents
-    for k in range(0 if start is None else _LOADED - 1, _ROUNDS + more):
-        if 0 < k <= _LOADED + more and found.columns.by_load:
+    skipped = 0 if start is None else _LOADED - 1
+    for k in range(skipped, _ROUNDS + more):
+        if skipped < k <= _LOADED + more and found.columns.by_load:
             found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
         solution, _, _ = solved(normal, moment)
@@ -161,9 +163,9 @@ def suited(
     for width in WIDTHS:
         own = replace(columns, smooth=width)
         try:
-            found = equations(function, own, short, taken, cutoff)
+            found = equations(function, own, short, taken, cutoff, start)
         except FreebodyError:  # a joint rests in the parts; it may move elsewhere
-            found = equations(function, own, logs, given, cutoff)
+            found = equations(function, own, logs, given, cutoff, start)
         tried.append((regressed(found, held, start), own))
         start = None if found.currents else tried[0][0].values
     best, own = min(tried, key=lambda x: _left(x[0]))

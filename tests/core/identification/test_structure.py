@@ -106,6 +106,20 @@ def test_torques_that_are_late_are_put_in_time(seconds, seed):
     assert np.all(np.abs(np.subtract(*values)) < halves)
 
 
+def test_torques_that_are_far_too_early_are_told_and_not_put_in_time():
+    """Found in steps, each of which is short."""
+    _, used, _ = logs(0, late(-0.4))
+    found = fb.identify(ARM, used, friction=FRICTION)
+    delay = found.structure.delay
+    assert not delay.corrected
+    assert delay.seconds == pytest.approx(-0.4, abs=0.15)
+    assert not found.trusted
+    assert all(
+        np.isnan(x.lower) and "not of the same time" in x.withdrawn for x in of_bodies(found)
+    )
+    assert any("too much to be put right" in x for x in found.notices)
+
+
 def test_logs_that_disagree_are_told_and_intervals_are_wider():
     rng = np.random.default_rng(5)
     model = with_random_numbers(ARM, rng, FRICTION)

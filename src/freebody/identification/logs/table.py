@@ -93,17 +93,22 @@ class LogText:
         text = "\n".join(chunk)
         if "#" in text or (self.separator == " " and _uneven_blanks(text)):
             return None
-        if set(map(str.count, chunk, repeat(self.separator))) != {self.width - 1}:
+        whole = sorted(columns) == list(range(self.width))
+        # NumPy itself refuses rows of several widths where it is to read them whole
+        if not whole and set(map(str.count, chunk, repeat(self.separator))) != {self.width - 1}:
             return None
         if self.separator != ",":
             chunk = text.replace(",", ".").split("\n")
         try:
-            return np.loadtxt(
-                chunk, delimiter=self.separator, usecols=columns, ndmin=2, comments=None,
-                quotechar='"',
+            found = np.loadtxt(
+                chunk, delimiter=self.separator, usecols=None if whole else columns, ndmin=2,
+                comments=None, quotechar='"',
             )  # fmt: skip
         except ValueError:
             return None
+        if found.shape != (len(chunk), len(columns)):
+            return None
+        return found[:, columns] if whole else found
 
     def _one_by_one(
         self, line: int, chunk: list[str], columns: Sequence[int], broken: list[tuple[int, str]]
