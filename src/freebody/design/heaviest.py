@@ -21,7 +21,7 @@ from freebody.outputs.display import Tabled, TextTable
 from freebody.outputs.number_text import rounded_down
 
 _GROWTH = 1.2
-"""From one weight that is looked at to the next."""
+"""Ratio of each weight that is looked at to the one before."""
 _MOST = 1000.0
 """Times as heavy: what bears this has no limit worth telling."""
 _FINE = 1e-4
@@ -42,7 +42,7 @@ class HeaviestPayloads(Tabled, ByValue):
     joint: str
     """The joint of which a limit is reached first; "" where none is."""
     limit: str
-    """That limit."""
+    """The limit that is reached first; "" where none is."""
 
     def _title(self) -> str:
         if np.isinf(self.factor):
