@@ -122,7 +122,7 @@ def test_show(capsys: pytest.CaptureFixture[str]):
     assert "frames: panda_link0, " in out
     assert run(["show", "2R", "--base", "free"]) == 0
     assert "base (planar" not in capsys.readouterr().out.splitlines()[0]
-    assert run(["show", "template:scara", "--parameter", "m2=5.5"]) == 0
+    assert run(["show", "template:scara", "--parameter", "m2=5.5", "--parameter", "I2=0.08"]) == 0
     out = capsys.readouterr().out
     assert re.search(r"^joint2 .* 5\.5 kg = m2", out, re.MULTILINE)
     assert re.search(r"^numbers: .* l1 = 0\.425, .* m2 = 5\.5, ", out, re.MULTILINE)
