@@ -122,6 +122,12 @@ def test_show(capsys: pytest.CaptureFixture[str]):
     assert "frames: panda_link0, " in out
     assert run(["show", "2R", "--base", "free"]) == 0
     assert "base (planar" not in capsys.readouterr().out.splitlines()[0]
+    assert run(["show", "template:scara", "--parameter", "m2=5.5", "--parameter", "I2=0.08"]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"^joint2 .* 5\.5 kg = m2", out, re.MULTILINE)
+    assert re.search(r"^numbers: .* l1 = 0\.425, .* m2 = 5\.5, ", out, re.MULTILINE)
+    assert "x1 = " in out.partition("\nformulas: ")[2]
+    assert out.rstrip().endswith("still so for arm, quill and hand.")
 
 
 def test_show_says_when_all_joints_of_a_closed_chain_count_as_drives(

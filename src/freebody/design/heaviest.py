@@ -21,7 +21,7 @@ from freebody.outputs.display import Tabled, TextTable
 from freebody.outputs.number_text import rounded_down
 
 _GROWTH = 1.2
-"""From one weight that is looked at to the next."""
+"""Ratio of each weight that is looked at to the one before."""
 _MOST = 1000.0
 """Times as heavy: what bears this has no limit worth telling."""
 _FINE = 1e-4
@@ -42,7 +42,7 @@ class HeaviestPayloads(Tabled, ByValue):
     joint: str
     """The joint of which a limit is reached first; "" where none is."""
     limit: str
-    """That limit."""
+    """The limit that is reached first; "" where none is."""
 
     def _title(self) -> str:
         if np.isinf(self.factor):
@@ -98,7 +98,7 @@ def heaviest_payloads(
     within, beyond = _between(lambda factor: float(shares(factor).max()) * margin <= 1.0)
     if np.isinf(beyond):
         return HeaviestPayloads(np.inf, (), margin, "", "")
-    limit, k = np.unravel_index(int(shares(beyond).argmax()), (len(LIMITS), len(joints)))
+    limit, k = divmod(int(shares(beyond).argmax()), len(joints))
     heavy = tuple(within * m for m in masses if m > 0.0)
     return HeaviestPayloads(within, heavy, margin, joints[k].name, LIMITS[limit].name)
 
@@ -127,18 +127,19 @@ def _heavier(segment: Segment, factor: float) -> Segment:
     if given is None:
         return segment
     if isinstance(given, Inertia):
-        mass, tensor = given.mass * factor, tuple(x * factor for x in given.tensor)
+        own: Any = given
+        mass, tensor = own.mass * factor, tuple(x * factor for x in own.tensor)
         return replace(segment, payload=replace(given, mass=mass, tensor=tensor))
     if not isinstance(given, Mapping):
         return replace(segment, payload=given * factor)
     if isinstance(given.get("mass"), Inertia):
         whole = _heavier(replace(segment, payload=given["mass"]), factor).payload
         return replace(segment, payload={**given, "mass": whole})
-    own = {x: np.asarray(given[x]) * factor for x in ("mass", "inertia") if x in given}
-    return replace(segment, payload={**given, **own})
+    heavier = {x: np.asarray(given[x]) * factor for x in ("mass", "inertia") if x in given}
+    return replace(segment, payload={**given, **heavier})
 
 
 def _mass(payload: CarriedLoad) -> float:
     """The mass of what a segment carries, kg."""
     given: Any = payload.get("mass", 0.0) if isinstance(payload, Mapping) else payload
-    return float(given.mass if isinstance(given, Inertia) else given)
+    return given.numbers()[0] if isinstance(given, Inertia) else float(given)

@@ -201,26 +201,34 @@ def _narrowed(doubt: Doubt, left: list[str]) -> Doubt:
     return replace(doubt, text=f"{doubt.clause}; still so for {whom}.")
 
 
+class _Now:
+    """A model's numbers as they are now, beside those that doubts were about."""
+
+    def __init__(self, model: Model):
+        self.links = dict(_in_numbers(_all_inertias(model)))
+        self.limits = dict(_in_numbers(_all_limits(model)))
+        self.bare = dict(_bare_bodies(model))
+
+    def as_was(self, name: str, was: Inertia | Limits | None) -> bool:
+        """Whether a link or joint still has what was doubted of it, None being no inertia."""
+        if was is None:
+            return name in self.bare
+        if isinstance(was, Limits):
+            return self.limits.get(name) == was
+        now = self.links.get(name)
+        assert not isinstance(now, Limits)
+        alike = now is not None and any(was.tensor) and now.tensor == was.tensor
+        return now is not None and (alike or now.mass == was.mass)
+
+
 def _standing(model: Model) -> list[tuple[Doubt, list[str]]]:
     """The doubts that the model's file states and that the model's numbers have not refuted since,
     with the names of what each is still about."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return [(doubt, [name for name, _ in doubt.about]) for doubt in read]
-    links, limits = dict(_in_numbers(_all_inertias(model))), dict(_in_numbers(_all_limits(model)))
-    bare = dict(_bare_bodies(model))
-
-    def stands(name: str, was: Inertia | Limits | None) -> bool:
-        if was is None:
-            return name in bare
-        if isinstance(was, Limits):
-            return limits.get(name) == was
-        now = links.get(name)
-        assert not isinstance(now, Limits)
-        alike = now is not None and any(was.tensor) and now.tensor == was.tensor
-        return now is not None and (alike or now.mass == was.mass)
-
-    left = [(doubt, [x[0] for x in doubt.about if stands(*x)]) for doubt in read]
+    now = _Now(model)
+    left = [(doubt, [x[0] for x in doubt.about if now.as_was(*x)]) for doubt in read]
     return [(doubt, names) for doubt, names in left if names or not doubt.about]
 
 
