@@ -20,7 +20,7 @@ _NAMES = ("--motion", "--cycle")
 _WHAT = (
     "What the robot does: a motion, a CSV file whose header names t (s) and the joints (rad, m; or "
     "a unit, as in 'joint1 (deg)'); or a duty cycle, a TOML file with what is carried in each "
-    "[[segment]]."
+    "segment."
 )
 
 GivenMotion = Annotated[
@@ -44,7 +44,7 @@ MotionInsteadOfPostures = Annotated[
 GivenSmooth = Annotated[
     str | None,
     typer.Option(
-        metavar="HZ",
+        metavar="HZ|auto",
         help="Smooth a measured motion, without delay: a cutoff in Hz, "
         "or auto to choose the cutoff from the noise.",
     ),
