@@ -44,7 +44,7 @@ MotionInsteadOfPostures = Annotated[
 GivenSmooth = Annotated[
     str | None,
     typer.Option(
-        metavar="HZ",
+        metavar="HZ|auto",
         help="Smooth a measured motion, without delay: a cutoff in Hz, "
         "or auto to choose the cutoff from the noise.",
     ),

@@ -67,8 +67,9 @@ def payload(
     """The largest payload along a motion or in each segment of a duty cycle, at a posture or over
     many, the drive, brake or bearing that limits it, and the load diagram as makers print it.
 
-    What --payload tells is carried besides. Exit status 0: something is carried. 1: nothing is, or
-    what is doubtful about the robot bars an answer. 2: bad input.
+    A load given by --payload is carried already: the largest comes on top of it. Exit status 0:
+    something is carried. 1: nothing is, or what is doubtful about the robot bars an answer. 2: bad
+    input.
     """
     from freebody.capacity.payload import payload as largest
     from freebody.report.load_case import in_a_line

@@ -163,8 +163,8 @@ class Subject:
 
     @property
     def part(self) -> str:
-        """What a torque or its part is called in the equations: "tau", "M", "c" or "g"; "" of other
-        quantities."""
+        """The name in the equations of a torque, "tau", or of its part, "M", "c" or "g"; "" of
+        other quantities."""
         return "" if self.torque is None else self.torque[0]
 
     @cached_property
