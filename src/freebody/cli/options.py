@@ -50,7 +50,8 @@ _ROBOTS: dict[Any, tuple[Any, type[GivenFile]]] = {
     GivenRobot: (_ONE, GivenRobot),
     list[GivenFile]: (_SEVERAL, GivenFile),
 }
-"""Kinds of robots that a command's function takes: the argument of the command line, and its record."""
+"""Kinds of robots that a command's function takes: the argument of the command line, and the
+record that is made of it."""
 
 
 def again(context: typer.Context) -> str:
