@@ -303,6 +303,6 @@ def test_arrays_are_checked():
     ):
         fb.Motion.of(model, [0, 1, 2, 3], np.zeros((3, 2)))
     with pytest.raises(
-        FreebodyError, match=r"default_motion: duration is -1, expected a number of seconds\."
+        FreebodyError, match=r"default_motion: duration is -1, expected a number of seconds"
     ):
         fb.default_motion(model, duration=-1)
