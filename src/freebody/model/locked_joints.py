@@ -13,6 +13,7 @@ from freebody.model.families import one_family
 from freebody.model.parameters import finite
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.quantity_reader import VALUES
+from freebody.model.tip import left_by, with_tip
 from freebody.model.tree import Attached, parents_first
 from freebody.outputs.number_text import compared
 from freebody.spatial import of_dimension
@@ -58,6 +59,9 @@ def with_locked(model: Model, positions: Mapping[str, Any]) -> Model:
         home=tuple((name, x) for name, x in model.home if name not in gone),
     )
     _refuse_idle(locked)
+    if model.tip is None:
+        still = {body.joint.name for k, body in enumerate(model.bodies) if place.on[k] != k}
+        locked = with_tip(locked, left_by(still, model, locked))
     return one_family(locked, model)
 
 

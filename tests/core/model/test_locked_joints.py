@@ -82,8 +82,12 @@ def test_names_of_what_was_locked_stay_and_written_files_have_them(tmp_path):
         assert fb.same_robot(fb.load(tmp_path / f"arm.{suffix}"), arm)
 
 
-def test_a_pattern_stands_for_all_joints_that_it_matches():
-    two_armed = fb.load(ROBOTS / "baxter_description/urdf/baxter.urdf", physical="ignore")
+@pytest.fixture(scope="module")
+def two_armed() -> fb.Model:
+    return fb.load(ROBOTS / "baxter_description/urdf/baxter.urdf", physical="ignore")
+
+
+def test_a_pattern_stands_for_all_joints_that_it_matches(two_armed: fb.Model):
     left = two_armed.with_locked(
         {"right_*": 0.0, "right_e1": 1.2, "head_pan": 0.0, "?_gripper_*": 0.0}
     )
@@ -91,6 +95,26 @@ def test_a_pattern_stands_for_all_joints_that_it_matches():
     by_name = dict.fromkeys([*rest, "l_gripper_l_finger_joint"], 0.0) | {"right_e1": 1.2}
     assert left == two_armed.with_locked(by_name)
     assert {name[:6] for name in left.position_names} == {"left_s", "left_e", "left_w"}
+
+
+@pytest.mark.parametrize(
+    ("positions", "tip"),
+    [
+        ({"head_pan": 0.0}, None),
+        ({"right_*": 0.0}, "left_gripper"),
+        ({"right_*": 0.0, "?_gripper_*": 0.0}, "left_gripper"),
+        ({"right_*": 0.0, "?_gripper_*": 0.0, "left_w[12]": 0.0}, "left_gripper"),
+        ({"left_w2": 0.0}, "right_gripper"),
+        ({"*": 0.0}, None),
+    ],
+)
+def test_a_robot_without_a_single_tip_has_one_where_one_chain_is_left(
+    two_armed: fb.Model, positions: dict[str, float], tip: str | None
+):
+    assert two_armed.tip is None
+    left = two_armed.with_locked(positions)
+    assert left.tip == tip
+    assert ("No tip is chosen: " in left.tip_reason) == (tip is None)
 
 
 REFUSED = [
