@@ -4,6 +4,7 @@ wrong."""
 import doctest
 import itertools
 import re
+import runpy
 import shlex
 import tomllib
 from pathlib import Path
@@ -247,6 +248,21 @@ def test_the_architecture_describes_every_layer_and_folder():
     picture = text.partition("## From a file to a number")[2].partition("## ")[0]
     shown = layers()[: layers().index("spatial")]
     assert [layer for layer in shown if layer not in picture] == []
+
+
+@pytest.mark.usefixtures("numpy_kernels")
+@pytest.mark.parametrize("robot", ["ur5e", pytest.param("five_bar", marks=pytest.mark.long)])
+def test_the_pictures_that_move_are_what_their_script_makes(robot: str):
+    """Apart from rounding; small enough for the README, which shows both."""
+    made = runpy.run_path(str(ROOT / "tools/moving_pictures.py"))["picture"](robot)
+    file = f"docs/images/{robot}_moving.svg"
+    kept = (ROOT / file).read_text(encoding="utf-8")
+    assert f'src="{file}"' in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(kept) < 150_000
+    number = re.compile(r"-?\d*\.?\d+")
+    assert number.sub("", made).split() == number.sub("", kept).split()
+    pairs = zip(number.findall(made), number.findall(kept), strict=True)
+    assert all(abs(float(a) - float(b)) < 0.25 for a, b in pairs)
 
 
 def test_what_contributing_names_is_there():

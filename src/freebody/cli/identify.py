@@ -86,7 +86,7 @@ class LogUses:
 
 @dataclass(frozen=True)
 class Assumed:
-    """What is known or assumed of the robot before its logs are looked at."""
+    """Options that tell what is known or assumed of the robot before its logs are looked at."""
 
     friction: Annotated[
         str | None,

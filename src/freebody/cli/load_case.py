@@ -1,5 +1,5 @@
-"""What the texts of the load case mean: what the robot carries, what pulls at it, how gravity acts,
-and how fast a motion is run."""
+"""Meanings of the texts of the load case: what the robot carries, what pulls at it, how gravity
+acts, and how fast a motion is run."""
 
 from __future__ import annotations
 

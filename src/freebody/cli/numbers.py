@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import typer
 
@@ -18,6 +19,11 @@ def number(text: str | float) -> float:
     if value is None or read_file.fault(value):
         raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
     return value
+
+
+def option(words: str) -> Any:
+    """An option that is one number."""
+    return typer.Option(metavar="VALUE", parser=number, help=words)
 
 
 def values(what: str, text: str) -> list[float]:

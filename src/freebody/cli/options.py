@@ -1,4 +1,4 @@
-"""What commands share: how their options are collected, and a few that several have."""
+"""The options of commands: how they are collected, and a few that several commands have."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ _ROBOTS: dict[Any, tuple[Any, type[GivenFile]]] = {
     GivenRobot: (_ONE, GivenRobot),
     list[GivenFile]: (_SEVERAL, GivenFile),
 }
-"""What a command's function takes of robots: the argument of the command line, and its record."""
+"""Kinds of robots that a command's function takes: the argument of the command line, and the
+record that is made of it."""
 
 
 def again(context: typer.Context) -> str:
@@ -70,9 +71,7 @@ def collected(**said: str | None) -> Callable[[Callable[..., Any]], Callable[...
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         own = signature(command, eval_str=True)
         shared = _shared(command, own, said)
-        parts = {
-            name: _command_part(parameter, shared) for name, parameter in own.parameters.items()
-        }
+        parts = {name: _part(parameter, shared) for name, parameter in own.parameters.items()}
 
         @wraps(command)
         def run(**given: Any) -> Any:
@@ -95,7 +94,7 @@ _HIDDEN = Annotated[list[str] | None, typer.Option(hidden=True)]
 
 
 @dataclass(frozen=True)
-class _CommandPart:
+class _CommandParameter:
     """A parameter of a command's function: its own options, and how its value is made of what is
     given for all."""
 
@@ -103,7 +102,7 @@ class _CommandPart:
     made: Callable[[dict[str, Any]], Any]
 
 
-def _command_part(parameter: Parameter, shared: Iterable[str]) -> _CommandPart:
+def _part(parameter: Parameter, shared: Iterable[str]) -> _CommandParameter:
     name, kind = parameter.name, parameter.annotation
     if robot := _robot(kind):
         argument, record = robot
@@ -112,12 +111,14 @@ def _command_part(parameter: Parameter, shared: Iterable[str]) -> _CommandPart:
             texts, how = given[name], {x: given[x] for x in shared}
             return record(texts, how) if isinstance(texts, str) else [record(x, how) for x in texts]
 
-        return _CommandPart((_parameter(name, argument, parameter.default),), robots)
+        return _CommandParameter((_parameter(name, argument, parameter.default),), robots)
     if is_dataclass(kind):
         options = tuple(_of_record(kind))
         make: Any = kind
-        return _CommandPart(options, lambda given: make(**{x.name: given[x.name] for x in options}))
-    return _CommandPart((_parameter(name, kind, parameter.default),), itemgetter(name))
+        return _CommandParameter(
+            options, lambda given: make(**{x.name: given[x.name] for x in options})
+        )
+    return _CommandParameter((_parameter(name, kind, parameter.default),), itemgetter(name))
 
 
 def _robot(kind: Any) -> tuple[Any, type[GivenFile]] | None:

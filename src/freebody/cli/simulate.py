@@ -24,13 +24,10 @@ _ROWS = 400
 _MOST = 1_000_000
 
 
-@options.collected(
-    wrench=options.USED,
-    speed="the torques make the motion; there is none to run faster or slower.",
-)
-def simulate(
-    context: typer.Context,
-    robot: options.GivenRobot,
+@dataclass(frozen=True)
+class Start:
+    """The state at the start, as it was typed."""
+
     q: Annotated[
         str | None,
         typer.Option(
@@ -38,14 +35,73 @@ def simulate(
             help='Positions at the start, rad and m, or "30 deg"; loops are closed near them. '
             "Default: 0, within the limits; of closed chains their home.",
         ),
-    ] = None,
+    ] = None
     qd: Annotated[
         str | None, typer.Option(metavar="VALUES", help="Rates at the start. Default: at rest.")
-    ] = None,
+    ] = None
+
+    def of(self, model: Model) -> tuple[Array, Array]:
+        """Positions and rates at the start; loops are closed near the given positions."""
+        import numpy as np
+
+        from freebody.loops.assembly import assemble
+        from freebody.motion.ranges import position_columns, ranges
+        from freebody.trees.positions import neutral
+
+        q = None if self.q is None else _vector("--q", self.q, model.nq, model)
+        if model.loops:
+            q = np.asarray(assemble(model, q))
+        elif q is None:
+            q, (iq, iv), usable = neutral(model), position_columns(model), ranges(model)
+            q[iq] = np.clip(q[iq], usable.lower[iv], usable.upper[iv])
+        qd = np.zeros(model.nv) if self.qd is None else _vector("--qd", self.qd, model.nv, model)
+        return q, qd
+
+
+@dataclass(frozen=True)
+class Course:
+    """How long the motion is, and how often it is told."""
+
     time: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", parser=numbers.number, help="Duration. Default: 2."),
-    ] = None,
+    ] = None
+    every: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS", parser=numbers.number, help="Time between rows. Default: 400 rows."
+        ),
+    ] = None
+
+    def times(self, duration: float | None = None) -> Array:
+        """The instants, s, of a motion of --time or of a given duration."""
+        import numpy as np
+
+        from freebody.motion.motion import FEWEST
+
+        if duration is None:
+            duration = 2.0 if self.time is None else self.time
+        gap = duration / _ROWS if self.every is None else self.every
+        for name, value in (("--time", duration), ("--every", gap)):
+            if not 0.0 < value < float("inf"):
+                raise FreebodyError(f"{name} is {value:g}, expected seconds above 0.")
+        if not FEWEST - 1.5 <= duration / gap <= _MOST:
+            raise FreebodyError(
+                f"--every {gap:g} makes {duration / gap + 1:.3g} rows of {duration:g} s; a motion "
+                f"has from {FEWEST} to {_MOST}."
+            )
+        return np.linspace(0.0, duration, round(duration / gap) + 1)
+
+
+Torques = tuple["Array", Any, "dict[str, Array] | None"]
+"""Times, the torques along them or a compiled control law, and the inputs that such a law takes
+besides the state."""
+
+
+@dataclass(frozen=True)
+class Control:
+    """Options that tell what exerts the torques, and to which goal."""
+
     torque: Annotated[
         str,
         typer.Option(
@@ -55,13 +111,13 @@ def simulate(
             "ë + kd ė + kp e = 0. A CSV file with t and the joints' names (N m, N): torques, "
             "linear between its rows, which also give the duration.",
         ),
-    ] = "zero",
+    ] = "zero"
     goal: Annotated[
         str | None,
         typer.Option(
             metavar="VALUES", help="Of a control law: positions. Default: those at the start."
         ),
-    ] = None,
+    ] = None
     kp: Annotated[
         str | None,
         typer.Option(
@@ -69,7 +125,7 @@ def simulate(
             help="One value or one per joint; of pd: N m/rad or N/m, by default 100 times the "
             "inertia at the start; of computed_torque: 1/s², by default 100.",
         ),
-    ] = None,
+    ] = None
     kd: Annotated[
         str | None,
         typer.Option(
@@ -77,7 +133,71 @@ def simulate(
             help="Of pd: N m s/rad or N s/m, by default 20 times that inertia; of "
             "computed_torque: 1/s, by default 20.",
         ),
-    ] = None,
+    ] = None
+
+    def torques(self, model: Model, q: Array, qd: Array, course: Course) -> Torques:
+        """The torques from a state on."""
+        if self.torque in _LAWS:
+            return self._of_law(model, q, qd, course)
+        for name in ("goal", "kp", "kd"):
+            if getattr(self, name) is not None:
+                raise FreebodyError(
+                    f"--{name} is of a control law, --torque {' or '.join(_LAWS)}; --torque is "
+                    f"{shown(self.torque)}."
+                )
+        return (
+            (course.times(), None, None) if self.torque == "zero" else self._of_file(model, course)
+        )
+
+    def _of_file(self, model: Model, course: Course) -> Torques:
+        """The torques of a file, linear between its rows."""
+        import numpy as np
+
+        from freebody.motion.files.csv_files import read_torques
+
+        if not Path(self.torque).exists():
+            raise FreebodyError(
+                f"--torque {shown(self.torque)}: there is no such file; write {', '.join(_LAWS)}, "
+                f"zero, or the name of a CSV file."
+            )
+        if course.time is not None:
+            raise FreebodyError(f"--time: the duration is that of {self.torque}; leave it out.")
+        t, rows = read_torques(model, self.torque)
+        # lines between the rows stay lines where there are more rows
+        times = np.union1d(t, t[0] + course.times(float(t[-1] - t[0])))
+        between = [np.interp(times, t, column) for column in rows.T]
+        return times, np.stack(between, axis=-1), None
+
+    def _of_law(self, model: Model, q: Array, qd: Array, course: Course) -> Torques:
+        """A control law that drives each joint to its goal, compiled."""
+        import numpy as np
+
+        from freebody.ways_out.kernel import kernel
+
+        chosen = _LAWS[self.torque]
+        aim = q if self.goal is None else _vector("--goal", self.goal, model.nq, model)
+        kp, kd = (
+            own if text is None else _gains(name, text, model)
+            for name, text, own in zip(
+                ("--kp", "--kd"), (self.kp, self.kd), chosen.gains(model, q), strict=True
+            )
+        )
+        given = {"q_ref": aim, **{name: np.zeros(model.nv) for name in chosen.at_rest}}
+        given |= {"kp": kp, "kd": kd}
+        chosen.function()(model, q, qd, **given)  # which refuses what the law cannot be
+        return course.times(), kernel(model, chosen.quantity), given
+
+
+@options.collected(
+    wrench=options.USED,
+    speed="the torques make the motion; there is none to run faster or slower.",
+)
+def simulate(
+    context: typer.Context,
+    robot: options.GivenRobot,
+    start: Start,
+    course: Course,
+    control: Control,
     friction: Annotated[
         Literal["smooth", "dry"],
         typer.Option(help="Dry friction about rest: smooth creeps, dry sticks."),
@@ -94,12 +214,6 @@ def simulate(
     method: Annotated[
         str, typer.Option(metavar="NAME", help="As in fb.simulate: auto, rk4, Radau, …")
     ] = "auto",
-    every: Annotated[
-        float | None,
-        typer.Option(
-            metavar="SECONDS", parser=numbers.number, help="Time between rows. Default: 400 rows."
-        ),
-    ] = None,
     out: Annotated[
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
@@ -115,15 +229,15 @@ def simulate(
 
     model = robot.load()
     wrenches = robot.wrenches(model)
-    start, rates = _start(model, q, qd)
-    times, law, given = _torque(model, torque, start, rates, (time, every), (goal, kp, kd))
+    q, qd = start.of(model)
+    times, law, given = control.torques(model, q, qd, course)
     interrupted, given_up = False, None
     with terminal.warnings_as_lines(), terminal.progress("simulating") as tell:
         try:
             found = run(
                 model,
-                start,
-                rates,
+                q,
+                qd,
                 times,
                 law,
                 wrenches,
@@ -146,24 +260,6 @@ def simulate(
         raise given_up
 
 
-def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
-    """Positions and rates at the start; loops are closed near the given positions."""
-    import numpy as np
-
-    from freebody.loops.assembly import assemble
-    from freebody.motion.ranges import position_columns, ranges
-    from freebody.trees.positions import neutral
-
-    start = None if q is None else _vector("--q", q, model.nq, model)
-    if model.loops:
-        start = np.asarray(assemble(model, start))
-    elif start is None:
-        start, (iq, iv), usable = neutral(model), position_columns(model), ranges(model)
-        start[iq] = np.clip(start[iq], usable.lower[iv], usable.upper[iv])
-    rates = np.zeros(model.nv) if qd is None else _vector("--qd", qd, model.nv, model)
-    return start, rates
-
-
 def _vector(name: str, text: str, size: int, model: Model) -> Array:
     import numpy as np
 
@@ -171,59 +267,6 @@ def _vector(name: str, text: str, size: int, model: Model) -> Array:
     if len(values) != size:
         raise FreebodyError(f"{name} has {len(values)} values, {model.name!r} takes {size}.")
     return np.array(values)
-
-
-def _torque(
-    model: Model,
-    torque: str,
-    q: Array,
-    qd: Array,
-    course: tuple[float | None, float | None],
-    law: tuple[str | None, str | None, str | None],
-) -> tuple[Array, Any, dict[str, Array] | None]:
-    """Times, the torques along them or a compiled control law, and the inputs that such a law takes
-    besides the state."""
-    import numpy as np
-
-    if torque not in _LAWS:
-        for name, text in zip(("--goal", "--kp", "--kd"), law, strict=True):
-            if text is not None:
-                raise FreebodyError(
-                    f"{name} is of a control law, --torque {' or '.join(_LAWS)}; --torque is "
-                    f"{shown(torque)}."
-                )
-    if torque not in ("zero", *_LAWS):
-        from freebody.motion.files.csv_files import read_torques
-
-        if not Path(torque).exists():
-            raise FreebodyError(
-                f"--torque {shown(torque)}: there is no such file; write {', '.join(_LAWS)}, zero, "
-                f"or the name of a CSV file."
-            )
-        if course[0] is not None:
-            raise FreebodyError(f"--time: the duration is that of {torque}; leave it out.")
-        t, rows = read_torques(model, torque)
-        # lines between the rows stay lines where there are more rows
-        times = np.union1d(t, t[0] + _times(float(t[-1] - t[0]), course[1]))
-        between = [np.interp(times, t, column) for column in rows.T]
-        return times, np.stack(between, axis=-1), None
-    times = _times(*course)
-    if torque == "zero":
-        return times, None, None
-    from freebody.ways_out.kernel import kernel
-
-    goal, kp, kd = law
-    aim = q if goal is None else _vector("--goal", goal, model.nq, model)
-    chosen = _LAWS[torque]
-    defaults = chosen.gains(model, q)
-    gains = [
-        own if text is None else _gains(name, text, model)
-        for name, text, own in zip(("--kp", "--kd"), (kp, kd), defaults, strict=True)
-    ]
-    given = {"q_ref": aim, **{name: np.zeros(model.nv) for name in chosen.at_rest}}
-    given |= {"kp": gains[0], "kd": gains[1]}
-    chosen.function()(model, q, qd, **given)  # which refuses what the law cannot be
-    return times, kernel(model, chosen.quantity), given
 
 
 @dataclass(frozen=True)
@@ -271,24 +314,6 @@ def _gains(name: str, text: str, model: Model) -> Array:
     return (
         np.full(model.nv, values[0]) if len(values) == 1 else _vector(name, text, model.nv, model)
     )
-
-
-def _times(time: float | None, every: float | None) -> Array:
-    import numpy as np
-
-    from freebody.motion.motion import FEWEST
-
-    duration = 2.0 if time is None else time
-    gap = duration / _ROWS if every is None else every
-    for name, value in (("--time", duration), ("--every", gap)):
-        if not 0.0 < value < float("inf"):
-            raise FreebodyError(f"{name} is {value:g}, expected seconds above 0.")
-    if not FEWEST - 1.5 <= duration / gap <= _MOST:
-        raise FreebodyError(
-            f"--every {gap:g} makes {duration / gap + 1:.3g} rows of {duration:g} s; a motion has "
-            f"from {FEWEST} to {_MOST}."
-        )
-    return np.linspace(0.0, duration, round(duration / gap) + 1)
 
 
 def _written(

@@ -142,4 +142,5 @@ def _heavier(segment: Segment, factor: float) -> Segment:
 def _mass(payload: CarriedLoad) -> float:
     """The mass of what a segment carries, kg."""
     given: Any = payload.get("mass", 0.0) if isinstance(payload, Mapping) else payload
-    return given.numbers()[0] if isinstance(given, Inertia) else float(given)
+    mass: Any = given.numbers()[0] if isinstance(given, Inertia) else given
+    return float(mass)

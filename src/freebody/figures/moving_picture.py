@@ -3,6 +3,7 @@ turn by the style sheet, so that it moves wherever an SVG image may stand."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -65,7 +66,7 @@ def moving_picture(
     frames = (
         f'<g class="pose" style="animation-delay:{seconds * (k / count - 1.0):.9g}s;'
         f"animation-duration:{seconds:.9g}s;animation-name:pose{count}"
-        f'{"" if k else ";visibility:visible"}">{one.body}</g>'
+        f'{"" if k else ";visibility:visible"}">{_LINES.sub(_relative, one.body)}</g>'
         for k, one in enumerate(drawn)
     )
     style = f"<style>{_STYLE % (count, 100.0 / count)}</style>"
@@ -75,3 +76,21 @@ def moving_picture(
 def _everywhere(moments: list[Drawing]) -> list[Element]:
     """The elements of the first drawing that all have: what does not move."""
     return [e for e in moments[0].elements if all(e in moment.elements for moment in moments)]
+
+
+_LINES = re.compile(r' d="M([-\d. L]+)(Z?)"')
+"""Path data of a polyline."""
+
+
+def _relative(found: re.Match[str]) -> str:
+    """Path data of a polyline as its first point and steps, which are half as long as places, in
+    whole tenths, so that no rounding adds up."""
+    tenths = [round(10.0 * float(x)) for x in found[1].replace("L", " ").split()]
+    first, steps = tenths[:2], [b - a for a, b in zip(tenths, tenths[2:], strict=False)]
+    return f' d="M{_pairs(first)}{"l" if steps else ""}{_pairs(steps)}{found[2].lower()}"'
+
+
+def _pairs(tenths: list[int]) -> str:
+    """Numbers of path data, with a blank where no sign parts them."""
+    texts = (f"{x / 10:g}".replace("0.", ".") if abs(x) < 10 else f"{x / 10:g}" for x in tenths)
+    return " ".join(texts).replace(" -", "-")

@@ -111,7 +111,7 @@ class LogEquations:
     def put_loads(self, values: Array) -> None:
         """Puts what joints transmit with these unknowns into the columns of load-dependent
         friction."""
-        loads = _Loads.of(self.columns, values)
+        loads = _TransmittedTorques.of(self.columns, values)
         whole = np.concatenate([loads.of_log(p) for p in self.prepared])
         for rows, at in zip(self.rows, loads.results, strict=True):
             rows.put(rows.load, whole[rows.places][:, at])
@@ -150,7 +150,9 @@ def equations(
     moves = np.abs(rate) > REST
     joints = range(len(columns.joints))
     parts = [_empty(function, columns, j, moves[:, j], currents) for j in joints]
-    loads = None if values is None or not columns.by_load else _Loads.of(columns, values)
+    loads = (
+        None if values is None or not columns.by_load else _TransmittedTorques.of(columns, values)
+    )
     start, filled = 0, np.zeros(len(parts), dtype=np.intp)
     for p, right in zip(prepared, sums, strict=True):
         samples = _samples(columns, p, np.asarray(right), loads)
@@ -196,8 +198,8 @@ def _empty(
     return np.zeros((count, len(unknowns))), np.empty(count), unknowns
 
 
-class _Loads(NamedTuple):
-    """What joints transmit, for the columns of load-dependent friction: of T = Y base - J q̈,
+class _TransmittedTorques(NamedTuple):
+    """The torques that joints transmit, for load-dependent friction: of T = Y base - J q̈,
     without rotors, a part is lost, a |T| sign(q̇).
 
     sums: (width, n) by which the kernel's results add up to Y base. rotors: (n,) J. results: of
@@ -211,12 +213,12 @@ class _Loads(NamedTuple):
     results: list[NDArray[np.intp]]
 
     @staticmethod
-    def of(columns: Columns, values: Array) -> _Loads:
+    def of(columns: Columns, values: Array) -> _TransmittedTorques:
         """The loads with these unknowns."""
         base, rotors = columns.of_bodies(values)
         n = len(columns.joints)
         results = [np.array([j, n + j][: len(row.by_load)]) for j, row in enumerate(columns.rows)]
-        return _Loads(columns, columns.sums_to_torques(base), rotors, results)
+        return _TransmittedTorques(columns, columns.sums_to_torques(base), rotors, results)
 
     def put(self, found: Array, signs: Array, qdd: Array, out: Array) -> None:
         """Writes the columns (k, 2 n) of samples, from the kernel's results there."""
@@ -239,7 +241,7 @@ class _Loads(NamedTuple):
 
 
 def _samples(
-    columns: Columns, p: Prepared, given: Array, loads: _Loads | None
+    columns: Columns, p: Prepared, given: Array, loads: _TransmittedTorques | None
 ) -> Callable[[slice], Array]:
     """The columns of a range of a log's samples, with what they add up to, and then the loads."""
     width, n = columns.width, len(columns.joints)

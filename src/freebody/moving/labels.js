@@ -50,9 +50,11 @@ class Sheet {
     if (this.crowd?.wide !== wide || this.crowd.tall !== tall) this.last.clear();  // a smaller sheet drove labels far away
     Object.assign(this, {crowd: new Crowd(wide, tall, this.rule.spacing), boxes: [], wanted: [], seen: new Map()});
   }
-  // A label wants a place at one of its anchors, [place, direction]; after: plain text behind it.
+  // A label wants a place at one of its anchors, [place, direction]; after: plain text behind it. What is
+  // off the sheet has none.
   want(css, name, anchors, after = "") {
-    if (name === undefined || name < 0) return;
+    const {wide, tall} = this.crowd;
+    if (name === undefined || name < 0 || !anchors.some(([[x, y]]) => x >= 0 && y >= 0 && x <= wide && y <= tall)) return;
     const count = (this.seen.get(name) || 0) + 1;
     this.seen.set(name, count);
     this.wanted.push({css, name, anchors, after, key: `${name} ${count}`});

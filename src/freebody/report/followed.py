@@ -1,5 +1,5 @@
-"""What follows the cursor of a page: curves, drives with their arrows on the robot, the velocity of
-the tip."""
+"""Curves that follow the cursor of a page, and arrows on its robots: of drives, and of the velocity
+of the tip."""
 
 from __future__ import annotations
 

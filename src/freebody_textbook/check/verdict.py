@@ -56,7 +56,8 @@ class EquationVerdict:
     line: int = 0
     """The line of the whole answer that it stands in, from 1."""
     right: Expression | None = field(default=None, repr=False)
-    """What would be right, of a wrong equation; None where that is no formula of a few lines."""
+    """The right equation or right side, of a wrong one; None where that is no formula of a few
+    lines."""
 
     @property
     def text(self) -> str:

@@ -70,7 +70,7 @@ def _answer(verdict: Verdict) -> str:
 
 
 def _section(number: int, equation: EquationVerdict) -> str:
-    """What is said of an equation."""
+    """HTML of what is said of an equation."""
     word, mark = _MARKS[equation.equal]
     name, title = html.escape(equation.name), html.escape(equation.title)
     where = f' <small class="notes">{html.escape(equation.where)}</small>' * bool(equation.where)
@@ -107,7 +107,7 @@ def _behind(line: str, columns: int) -> int:
 
 
 def _right(equation: EquationVerdict) -> str:
-    """What would be right, folded away until it is asked for."""
+    """HTML of what would be right, folded away until it is asked for."""
     right = equation.right
     if right is None:
         return ""
@@ -119,7 +119,7 @@ def _right(equation: EquationVerdict) -> str:
 
 
 def _unjudged(verdict: Verdict) -> list[str]:
-    """What was not judged, and why."""
+    """HTML of what was not judged, and why."""
     told = []
     if verdict.unchecked:
         names = html.escape(listed(verdict.unchecked, 8))

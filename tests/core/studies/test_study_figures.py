@@ -96,6 +96,17 @@ def test_the_tip_of_every_pose_lies_on_the_path_and_is_where_the_motion_says(stu
     assert fitted[0, 0] == pytest.approx(-fitted[1, 1], rel=0.02)
 
 
+def test_links_are_as_long_in_every_pose(study):
+    """Also after their places were written as steps from one to the next; the second slides out."""
+    poses = of_class(ElementTree.fromstring(study.figure("animation").svg), "pose")
+    lengths = []
+    for pose in poses:
+        bars = [re.findall(r"-?[\d.]+", bar.get("d")) for bar in of_class(pose, "bar")]
+        lengths.append([np.hypot(float(x), float(y)) for *_, x, y in bars])
+    assert np.ptp(lengths, axis=0)[0] < 0.3  # pixels
+    assert np.min(lengths) > 20.0
+
+
 def test_poses_take_turns(study):
     """At each instant one pose is seen: the delays are a whole round, evenly spaced."""
     figure = study.figure("animation").svg

@@ -1,13 +1,11 @@
-"""Changes of the correct answer by a misconception: factors of its terms, values and angles in it,
-or the equations of the bodies."""
+"""Changes of the correct answer by a misconception: factors of its terms, values and angles in
+it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from freebody.errors import listed
 from freebody.expressions.grammar.atoms import atom
@@ -15,14 +13,11 @@ from freebody.expressions.grammar.parser import PI
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.model.gravity import axis_of
-from freebody.model.parameters import each_parameter
 from freebody.scalars.generators import SIGN, function_of
 from freebody_textbook.check.algebra.finite_field import SineAndCosine
 from freebody_textbook.check.algebra.quotients import generator
-from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.reasons.bodies_at_point import Belief
-from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief
-from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
+from freebody_textbook.check.reasons.forgotten_parameters import moments_of_inertia
+from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject, each_and_all
 
 VELOCITY = ("coriolis", "centrifugal")
 _ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
@@ -64,7 +59,7 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
     if not x.is_energy:
         return
     inertial = x.setting.order.inertial
-    turning = _moments(x.setting)
+    turning = moments_of_inertia(x.setting)
     own = [
         {name for name, (k, _) in inertial.items() if k == i}
         for i in range(len(x.bodies.s.symbols.model.bodies))
@@ -81,7 +76,7 @@ def unmixed_rates(x: Subject) -> Iterator[Changed]:
     """Change: kinetic energy without products of two joint rates, in all terms or in those with
     moments of inertia."""
     rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
-    for names in (x.names, _moments(x.setting)) if rates else ():
+    for names in (x.names, moments_of_inertia(x.setting)) if rates else ():
 
         def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
             return len(rates & powers.keys()) > 1 and not names.isdisjoint(powers)
@@ -100,7 +95,7 @@ def unmixed_velocities(x: Subject) -> Iterator[Changed]:
 
 def _turning(x: Subject) -> set[str]:
     """Names of the coordinates of turning joints."""
-    return {name for row in _chains(x).values() for name in row}
+    return {name for row in chains(x).values() for name in row}
 
 
 def degrees(x: Subject) -> Iterator[Changed]:
@@ -126,103 +121,6 @@ def _weights(x: Subject) -> str:
     return f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
 
 
-class Forgotten(NamedTuple):
-    """Parameters that may have been forgotten, with values for the places of the sentence."""
-
-    said: Mapping[str, object]
-    names: Set[str]
-    remembered: Set[str] = frozenset()
-    """Parameters of which, where the correct answer has some, the user's must have one."""
-
-    def explains(self, right: Set[str], written: Set[str]) -> bool:
-        """Whether an answer with the symbols `written` has one of those that are remembered,
-        unless the correct one, with the symbols `right`, has none."""
-        return right.isdisjoint(self.remembered) or not written.isdisjoint(self.remembered)
-
-
-@dataclass(frozen=True)
-class Without:
-    """Change: parameters set to 0, as if their effects were forgotten. `groups` gives sets of
-    them."""
-
-    groups: Callable[[RightEquations], Iterator[Forgotten]]
-
-    def __call__(self, x: Subject) -> Iterator[Changed]:
-        for group in self.groups(x.setting):
-            left = (powers for powers, _ in x.rows if group.names.isdisjoint(powers))
-            if group.names & x.names and group.explains(x.names, set[str]().union(*left)):
-                yield group.said, x.at(dict.fromkeys(group.names, 0))
-
-
-def of_weights(setting: RightEquations) -> Iterator[Forgotten]:
-    """The group of the gravity symbol, which stands for all weights."""
-    if setting.order.gravity:
-        yield Forgotten({}, {setting.order.gravity})
-
-
-def of_bodies(setting: RightEquations) -> Iterator[Forgotten]:
-    """Groups of mass and inertia of one body, or of a body and all bodies that it carries."""
-    model, inertial = setting.symbols.model, setting.order.inertial
-    heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
-    carried = {i: {i} for i in every}
-    for i in reversed(every):
-        if model.bodies[i].parent in carried:
-            carried[model.bodies[i].parent] |= carried[i]
-    for group in [{i} for i in sorted(heavy)] + [carried[i] & heavy for i in every]:
-        if group != heavy:
-            links = listed(str(model.bodies[i].name) for i in sorted(group))
-            names = {name for name, (i, _) in inertial.items() if i in group}
-            yield Forgotten({"links": links}, names)
-
-
-def of_moments(setting: RightEquations) -> Iterator[Forgotten]:
-    """The group of all moments of inertia, as if bodies were point masses, and each body's."""
-    inertial, every = setting.order.inertial, _moments(setting)
-    moments = "The moments of inertia about the centres of mass are"
-    yield Forgotten({"moments": moments, "points": "point masses"}, every)
-    for i, body in enumerate(setting.symbols.model.bodies):
-        names = {name for name in every if inertial[name][0] == i}
-        one = f"The moment of inertia of {body.name} about its centre of mass is"
-        if names and names != every:
-            yield Forgotten({"moments": one, "points": "a point mass"}, names)
-
-
-def _moments(setting: RightEquations) -> set[str]:
-    return {name for name, (_, kind) in setting.order.inertial.items() if kind == 1}
-
-
-def of_centres(setting: RightEquations) -> Iterator[Forgotten]:
-    """Groups of what places one body's centre of mass and no joint or frame, or all bodies'. Their
-    masses are remembered: else these, not their places, were forgotten."""
-    model, inertial = setting.symbols.model, setting.order.inertial
-    placements = (*(x.joint.placement for x in model.bodies), *(x.placement for x in model.frames))
-    elsewhere = {x.name for x in each_parameter(placements)}
-    rows = list[tuple[int, set[str]]]()
-    for i, body in enumerate(model.bodies):
-        if setting.is_planar and body.kind.slides:
-            continue  # the displacement may be to its centre of mass: `slides`
-        centres = tuple(part.inertia.com for part in body.inertias)
-        if names := {x.name for x in each_parameter(centres)} - elsewhere:
-            rows.append((i, names))
-    for group in _groups(rows):
-        names = set[str]().union(*(own for _, own in group))
-        masses = {name for name, (i, kind) in inertial.items() if not kind and i in dict(group)}
-        several = len(group) > 1
-        said = {
-            "zero": listed(f"{sym(name)} = 0" for name in sorted(names)),
-            "centres": "the centres of mass" if several else "the centre of mass",
-            "links": listed(model.bodies[i].name for i, _ in group),
-            "are": "are not at their joints" if several else "is not at its joint",
-        }
-        yield Forgotten(said, names, masses)
-
-
-def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """Groups of rows that a mistake may affect: each row alone, and all together."""
-    yield from ([x] for x in rows)
-    yield from [rows] * (len(rows) > 1)
-
-
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
     """Change: other values for a link's length and the distance of its centre of mass: "l", "lc" or
     "half"."""
@@ -231,7 +129,7 @@ def lengths(reach: str = "l", centre: str = "lc") -> Change:
         v, half = x.point.values, x.point.number(Fraction(1, 2))
         changed = [k for k, same in enumerate((reach == "l", centre == "lc")) if not same]
         rows = [row for row in _lengths(x) if x.names.issuperset(row[k] for k in changed)]
-        for group in _groups(rows):
+        for group in each_and_all(rows):
             put = {}
             for l, lc in group:
                 named = {"l": v[l], "lc": v[lc], "half": v[l] * half}
@@ -302,7 +200,7 @@ def axes(factor: int) -> Change:
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
-        for group in _groups(rows):
+        for group in each_and_all(rows):
             put = {name: x.point.values[name] + factor * value for name, value, _ in group}
             names = " and ".join(str(sym(name)) for name, _, _ in group)
             lacking = " and ".join(term for _, _, term in group)
@@ -326,7 +224,7 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
 def turned(x: Subject) -> Iterator[Changed]:
     """Change: angles of the joints at the ground measured from another direction."""
     coordinates = x.setting.symbols.coordinates
-    first = [row[0] for row in _chains(x).values() if len(row) == 1]
+    first = [row[0] for row in chains(x).values() if len(row) == 1]
     quarters = x.setting.quarters or (0,) * len(coordinates)
     zeros = {quarters[coordinates.index(name)] % 4 for name in first}
     for own in zeros if len(zeros) == 1 else ():
@@ -342,7 +240,7 @@ def absolute(x: Subject) -> Iterator[Changed]:
     """Change: joint angles taken as angles from the x axis, although they are relative to the
     previous link."""
     s = x.bodies.s
-    before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
+    before = {row[-1]: row[-2] for row in chains(x).values() if len(row) > 1}
     if not before:
         return
     values, turns = dict(x.point.values), dict(x.point.turns)
@@ -363,122 +261,10 @@ def absolute(x: Subject) -> Iterator[Changed]:
         yield said, sum(sign * moved.of(x.setting.element(row)) for sign, row in rows)
 
 
-def _chains(x: Subject) -> dict[int, list[str]]:
+def chains(x: Subject) -> dict[int, list[str]]:
     """The joint angles that add up to each body's direction, for bodies that turn in the plane."""
     s, found = x.bodies.s, dict[int, list[str]]()
     is_told = s.planar and not s.tree.follows
     for i, body in enumerate(s.tree.bodies if is_told else ()):
         found[i] = [*found.get(body.parent, ()), *[s.coordinate(i)] * s.turns(i)]
     return {i: row for i, row in found.items() if s.turns(i)}
-
-
-# ---------------------------------------------------------------- equations of the bodies
-def freely(belief: FreeBelief) -> Change:
-    """Change: an equation that holds for a free body under a wrong belief."""
-
-    def change(x: Subject) -> Iterator[Changed]:
-        if x.free is not None:
-            yield {}, x.point.of(x.free.yours) + x.free.gap(x.point, belief)
-
-    return change
-
-
-def believed(*beliefs: Belief, of_next: bool = False) -> Change:
-    """Change: wrong beliefs about the body of the answer, a body that it carries, or all bodies;
-    the first belief that has an effect is reported. of_next: only for bodies that carry others."""
-
-    def change(x: Subject) -> Iterator[Changed]:
-        every = range(len(x.bodies.bodies)) if x.about else ()
-        for i in x.about:
-            own = [j for j in _carried(x, i) if x.bodies.s.tree.children(j) or not of_next]
-            for belief in beliefs if i in own else ():
-                alone = {j: list(_under(x, i, (j,), belief)) for j in own}
-                matter = [j for j in own if any(value != x.value for value in alone[j])]
-                if len(every) > 1:
-                    first = next(iter(matter), i)
-                    alone[first] = [*alone[first], *_under(x, i, every, belief)]
-                yield from ((_names(x, j), value) for j in own for value in alone[j])
-
-    return change
-
-
-def _carried(x: Subject, i: int) -> list[int]:
-    """Indices of a body and of all bodies that it carries."""
-    found = [i]
-    for j in found:
-        found += x.bodies.s.tree.children(j)
-    return found
-
-
-def arms(*often: int, of_next: bool = False) -> Change:
-    """Change: wrong lever arms of the forces in Euler's equation."""
-    return believed(Belief(arms=often), of_next=of_next)
-
-
-def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[Any]:
-    """Values of the correct answer, about body i, under a belief about some bodies."""
-    b, right = x.bodies, x.value
-    if x.torque is not None:
-        moves = belief.spins_alone or belief.turns_alone
-        for way in (b.acting, b.projected)[: 1 + moves]:
-            state = x.torque[1]
-            yield right + way(state, of, belief)["tau", i][0] - way(state)["tau", i][0]
-    for own in x.components:
-        if own.key[1] in (i, -1):
-            told = partial(b.acting, b.moving) if own.key[0] in "fn" else b.moved
-            gap = own.of(b, told(of, belief)) - own.of(b, told())
-            yield right + gap
-            if x.is_equation:
-                yield right - gap
-
-
-def _names(x: Subject, i: int) -> dict[str, object]:
-    """Values for the placeholders in sentences about body i."""
-    s, n = x.bodies.s, x.bodies.s.numbers[i]
-    h, behind = s.numbers[s.tree.bodies[i].parent], [s.numbers[k] for k in s.tree.children(i)]
-    return {
-        "n": n, "k": listed(map(str, behind)), "f": f"f{h}{n}",
-        "next": listed(f"f{n}{k}" for k in behind), "opposite": listed(f"−f{n}{k}" for k in behind),
-    }  # fmt: skip
-
-
-def alone(*beliefs: Belief) -> Change:
-    """Change: the angular velocity of one body, or of all, without those of the preceding
-    bodies."""
-
-    def change(x: Subject) -> Iterator[Changed]:
-        sums = _sums(x) if x.about else {}
-        for of in _groups(list(sums)):
-            said = {
-                "wrong": listed(f"{sums[i][0]} = {sums[i][-1]}" for i in of),
-                "right": listed(f"{sums[i][0]} = {' + '.join(sums[i][1:])}" for i in of),
-            }
-            for belief in beliefs:
-                for i in x.about:
-                    yield from ((said, value) for value in _under(x, i, of, belief))
-
-    return change
-
-
-def _sums(x: Subject) -> dict[int, list[str]]:
-    """For each body with several turning joints before it: the name of ω and the joint rates whose
-    sum it is."""
-    return {
-        i: [str(sym(f"omega{x.bodies.s.numbers[i]}")), *(str(sym(name + RATE)) for name in row)]
-        for i, row in _chains(x).items()
-        if len(row) > 1
-    }
-
-
-def other_axes(x: Subject) -> Iterator[Changed]:
-    """Change: vector components in another body's axes, or in the world's."""
-    b = x.bodies
-    found = {**b.moved(), **b.acting(b.moving)} if x.components and not x.is_equation else {}
-    for own in x.components if found else ():
-        for k in range(-(x.target.in_world is None), len(b.bodies)):
-            if k != own.axes and len(found[own.key]) == b.s.tree.space.dim:
-                yield {"axes": _axes(x, k), "here": _axes(x, own.axes)}, own.of(b, found, k)
-
-
-def _axes(x: Subject, i: int) -> str:
-    return f"along those of body {x.bodies.s.numbers[i]}" if i >= 0 else "along the world's axes"

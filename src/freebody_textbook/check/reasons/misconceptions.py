@@ -18,6 +18,21 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons import changed_answers as c
 from freebody_textbook.check.reasons.bodies_at_point import Belief
+from freebody_textbook.check.reasons.changed_bodies import (
+    alone,
+    arms,
+    believed,
+    freely,
+    other_axes,
+)
+from freebody_textbook.check.reasons.forgotten_parameters import (
+    Forgotten,
+    Without,
+    of_bodies,
+    of_centres,
+    of_moments,
+    of_weights,
+)
 from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
@@ -56,27 +71,27 @@ _TRANSPORT = "in axes that turn the acceleration is v̇ + ω × v."
 _ARM = "The thrust's arm has the wrong sign: a thrust T at s has the moment s × T, about"
 
 OF_FREE_BODIES: Mapping[str, Change] = {
-    _GYROSCOPIC_SIGN: c.freely(FreeBelief(gyroscopic=-1)),
-    _NOT_GYROSCOPIC: c.freely(FreeBelief(gyroscopic=0)),
-    "The weight has the wrong direction: z points up here, and gravity acts along −z.": c.freely(
+    _GYROSCOPIC_SIGN: freely(FreeBelief(gyroscopic=-1)),
+    _NOT_GYROSCOPIC: freely(FreeBelief(gyroscopic=0)),
+    "The weight has the wrong direction: z points up here, and gravity acts along −z.": freely(
         FreeBelief(weight=-1)
     ),
-    "The weight is missing.": c.freely(FreeBelief(weight=0)),
-    f"ω × v has the wrong sign: {_TRANSPORT}": c.freely(FreeBelief(transport=-1)),
-    f"ω × v is missing: {_TRANSPORT}": c.freely(FreeBelief(transport=0)),
-    f"f is all that acts besides the weight, and {_TRANSPORT}": c.freely(
+    "The weight is missing.": freely(FreeBelief(weight=0)),
+    f"ω × v has the wrong sign: {_TRANSPORT}": freely(FreeBelief(transport=-1)),
+    f"ω × v is missing: {_TRANSPORT}": freely(FreeBelief(transport=0)),
+    f"f is all that acts besides the weight, and {_TRANSPORT}": freely(
         FreeBelief(transport=0, weight=0)
     ),
-    f"{_ARM} x that is y T.": c.freely(FreeBelief(arms=(-1, 1))),
-    f"{_ARM} y that is −x T.": c.freely(FreeBelief(arms=(1, -1))),
+    f"{_ARM} x that is y T.": freely(FreeBelief(arms=(-1, 1))),
+    f"{_ARM} y that is −x T.": freely(FreeBelief(arms=(1, -1))),
     "Forces are not rotated: the thrust acts along the body's axes, the weight along the "
-    "world's.": c.freely(FreeBelief(axes="")),
-    "R is transposed: it takes components from the body's axes to the world's.": c.freely(
+    "world's.": freely(FreeBelief(axes="")),
+    "R is transposed: it takes components from the body's axes to the world's.": freely(
         FreeBelief(axes="back")
     ),
     "This takes the rates of the angles for ω, which is right near hover only: ω̇ is that of the "
-    "body, and φ̇ = p + (q sin φ + r cos φ) tan θ.": c.freely(FreeBelief(angular=False)),
-    "This is right near hover only, where φ̇ = p and products of rates vanish.": c.freely(
+    "body, and φ̇ = p + (q sin φ + r cos φ) tan θ.": freely(FreeBelief(angular=False)),
+    "This is right near hover only, where φ̇ = p and products of rates vanish.": freely(
         FreeBelief(angular=False, gyroscopic=0)
     ),
 }
@@ -87,7 +102,7 @@ THOUGHTS: Mapping[str, Change] = {
     "What you wrote is right for {name}, not for this one.": _others,
     "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
     "g_i = + ∂V/∂q_i.": c.other_gravity,
-    f"Gravity is missing{_REST}": c.Without(c.of_weights),
+    f"Gravity is missing{_REST}": Without(of_weights),
     "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as ij "
     "and as ji), so Coriolis terms have a factor of 2.": c.parts(Fraction(1, 2), "coriolis"),
     "The Coriolis terms, with products of two different rates, are missing.": c.parts(
@@ -102,16 +117,16 @@ THOUGHTS: Mapping[str, Change] = {
     ),
     f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
     "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
-    "right.": c.Without(c.of_bodies),
-    "{moments} missing: this is right for {points} only.": c.Without(c.of_moments),
-    "This is right only if {zero}: {centres} of {links} {are}.": c.Without(c.of_centres),
+    "right.": Without(of_bodies),
+    "{moments} missing: this is right for {points} only.": Without(of_moments),
+    "This is right only if {zero}: {centres} of {links} {are}.": Without(of_centres),
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
     "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
     "θ̇ⱼ².": c.unmixed_rates,
     "The mixed terms are missing: velocities add as vectors, so the square of their sum is "
     "|a + b|² = a² + b² + 2 a · b.": c.unmixed_velocities,
     "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
-    "velocities are sums, {right}.": c.alone(
+    "velocities are sums, {right}.": alone(
         Belief(spins_alone=True),
         Belief(turns_alone=True),
         Belief(spins_alone=True, turns_alone=True),
@@ -135,62 +150,62 @@ THOUGHTS: Mapping[str, Change] = {
     "{own}.": c.turned,
     "This would be right if {names} were measured from the x axis; here each angle is measured "
     "from the previous link, so the direction of a link is a sum of angles.": c.absolute,
-    "This would be right with components {axes}; here they are {here}.": c.other_axes,
+    "This would be right with components {axes}; here they are {here}.": other_axes,
 }
 """Thoughts about one quantity, in the order in which they are tried."""
 
 OF_INERTIAS: Mapping[str, Change] = {
     "Only the moments of inertia about the centres of mass are here: what the masses add, m lc² "
-    "where a body turns about its joint, is missing.": c.arms(0, 0, 0, 0),
+    "where a body turns about its joint, is missing.": arms(0, 0, 0, 0),
 }
 """Entries of the mass matrix without what the masses add, where no symbol tells it apart."""
 
 OF_BODIES: Mapping[str, Change] = {
     "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
-    "Newton's third law {opposite} acts on body {n}.": c.believed(
+    "Newton's third law {opposite} acts on body {n}.": believed(
         Belief(force=-1),
         *(Belief(couple=k, arms=x) for k in (1, -1) for x in ((1, 0, 0, -1), (1, 0, 2, -1))),
         *(Belief(force=-1, couple=k, arms=(1, 0, 0, -1)) for k in (1, -1)),
         of_next=True,
     ),
     "The sign of the moment at joint {k} is wrong: what acts on body {k} there acts on body {n} in "
-    "the opposite direction.": c.believed(Belief(couple=-1), of_next=True),
-    "The reaction of body {k} on body {n} is missing.": c.believed(
+    "the opposite direction.": believed(Belief(couple=-1), of_next=True),
+    "The reaction of body {k} on body {n} is missing.": believed(
         Belief(force=0), Belief(force=0, couple=0, arms=(1, 0, 0, 0)), of_next=True
     ),
     "The moments r × f of the forces on body {n} are missing: I ω̇ alone is right only where no "
-    "force has an arm about the centre of mass.": c.arms(0, 0, 0, 0),
+    "force has an arm about the centre of mass.": arms(0, 0, 0, 0),
     "This would be right if joint {n} did not accelerate: about a joint that does, s_c × m a of "
-    "the joint must be added to I ω̇.": c.believed(Belief(joint_is_fixed=True)),
-    "The moment of {opposite} on body {n} is missing.": c.arms(1, 0, 0, 0, of_next=True),
-    "The moment of joint {k} on body {n} is missing.": c.believed(Belief(couple=0), of_next=True),
-    "The moment s_c × m (v̇_c − g) of body {n} itself is missing.": c.arms(0, 0, 0, 1),
-    "The moment of {f} about the centre of mass of body {n} is missing.": c.arms(0, 0, -1, 1),
-    "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.": c.arms(
+    "the joint must be added to I ω̇.": believed(Belief(joint_is_fixed=True)),
+    "The moment of {opposite} on body {n} is missing.": arms(1, 0, 0, 0, of_next=True),
+    "The moment of joint {k} on body {n} is missing.": believed(Belief(couple=0), of_next=True),
+    "The moment s_c × m (v̇_c − g) of body {n} itself is missing.": arms(0, 0, 0, 1),
+    "The moment of {f} about the centre of mass of body {n} is missing.": arms(0, 0, -1, 1),
+    "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.": arms(
         0, 1, 0, 1
     ),
     "{next} has a wrong arm or none: about joint {n} the arm is s, about the centre of mass of "
-    "body {n} that of {opposite} is s − s_c.": c.arms(1, 0, 1, 0, of_next=True),
+    "body {n} that of {opposite} is s − s_c.": arms(1, 0, 1, 0, of_next=True),
     "The arms are swapped: of body {n}, m (v̇_c − g) has the arm s_c to its centre of mass, {next} "
-    "the arm s to joint {k}.": c.arms(0, 1, 1, 0, of_next=True),
+    "the arm s to joint {k}.": arms(0, 1, 1, 0, of_next=True),
     "The arms about the centre of mass of body {n} are swapped: that of {f} is −s_c, that of "
-    "{opposite} is s − s_c.": c.arms(-1, 1, 0, 1, of_next=True),
-    "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.": c.arms(
+    "{opposite} is s − s_c.": arms(-1, 1, 0, 1, of_next=True),
+    "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.": arms(
         1, 0, 1, 1, of_next=True
     ),
     "A cross product has the wrong sign: the arm comes first, r × f = −f × r, and from the centre "
-    "of mass of body {n} to its joint it is −s_c.": c.believed(
+    "of mass of body {n} to its joint it is −s_c.": believed(
         *(Belief(arms=x) for x in ((-1, 0, -2, 1), (-1, 0, 0, -1), (-1, 0, 0, 1)))
     ),
-    "The cross product has a minus: r × f = r_x f_y − r_y f_x.": c.believed(Belief(product=_sum)),
+    "The cross product has a minus: r × f = r_x f_y − r_y f_x.": believed(Belief(product=_sum)),
     "The arms of the components are mixed up: r × f = r_x f_y − r_y f_x, so f_x has the arm r_y "
-    "and f_y the arm r_x.": c.believed(Belief(product=_along), Belief(product=_across)),
-    "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": c.believed(
+    "and f_y the arm r_x.": believed(Belief(product=_along), Belief(product=_across)),
+    "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": believed(
         Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))
     ),
-    _GYROSCOPIC_SIGN: c.believed(Belief(gyroscopic=-1)),
-    _NOT_GYROSCOPIC: c.believed(Belief(gyroscopic=0)),
-    "The forces of the loops are missing.": c.believed(Belief(loops_act=False)),
+    _GYROSCOPIC_SIGN: believed(Belief(gyroscopic=-1)),
+    _NOT_GYROSCOPIC: believed(Belief(gyroscopic=0)),
+    "The forces of the loops are missing.": believed(Belief(loops_act=False)),
 }
 """Other equations of the bodies."""
 
@@ -233,10 +248,10 @@ def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
     yield from (_of(table, x) for table in TABLES)
 
 
-def left_out(setting: RightEquations) -> Iterator[tuple[str, c.Forgotten]]:
+def left_out(setting: RightEquations) -> Iterator[tuple[str, Forgotten]]:
     """Sentences on parameters that may have been forgotten, with these."""
     for text, change in THOUGHTS.items():
-        if isinstance(change, c.Without):
+        if isinstance(change, Without):
             yield from ((text.format(**x.said), x) for x in change.groups(setting))
 
 

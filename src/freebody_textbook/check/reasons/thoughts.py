@@ -3,7 +3,7 @@ they are evaluated with."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -223,3 +223,9 @@ class Subject:
 
 Change = Callable[[Subject], Iterator[Changed]]
 """The right answer under a thought, once for each thing of which it can be thought."""
+
+
+def each_and_all(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
+    """Groups of rows that a mistake may affect: each row alone, and all together."""
+    yield from ([x] for x in rows)
+    yield from [rows] * (len(rows) > 1)

@@ -97,8 +97,8 @@ def wrong_verdict(
 
 
 def right_equation(setting: RightEquations, claim: Claim) -> Expression | None:
-    """What a claim's quantity is, as an equation where it has a name of its own; None of equations
-    between two sides, of poses, of what stands for itself, and of long formulas."""
+    """The right value of a claim's quantity, as an equation where it has a name of its own; None of
+    equations between two sides, of poses, of what stands for itself, and of long formulas."""
     if claim.whole is not None or claim.target.kind.is_pose:
         return None
     right = claim.target.compute()
