@@ -29,6 +29,7 @@ from freebody.outputs.number_text import significant
 from freebody.outputs.pages import SHEETS, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
+from freebody.report.card import needed
 from freebody.report.moving_page import moving_page
 from freebody.report.summary import energy_text
 from freebody.report.tables import opened, typeset
@@ -63,6 +64,7 @@ def page(study: Study) -> str:
         facts=_facts(study),
         case=study.load_case,
         notices=_notices(study),
+        needed=needed(study.card, study.worst, study.summary),
         robot=figures.robot(study),
         energy=energy_text(study.summary, study.motion.duration),
         **{table.__name__: table(study) for table in tables.TABLES},

@@ -84,6 +84,7 @@ end between rows of a table too, but Chromium then forgets their baselines; and 
 they never do."""
 
 STEPS = """
+.symbols td{vertical-align:baseline}
 @media print{body{font-size:10pt;line-height:1.4}main{max-width:none;padding:0}
 h1{font-size:17pt;margin:0}h2{font-size:11.5pt}section>details>summary{margin:1.1rem 0 .1rem}
 details::details-content{content-visibility:visible}
@@ -94,7 +95,8 @@ p{max-width:none;margin:.3rem 0;break-inside:avoid}math{font-size:1.1em}
 .result:not(:has(>math>mtable>mtr:nth-child(16))){break-inside:avoid}
 figure{margin:.3rem 0;break-inside:avoid}figure svg{max-height:7cm}
 .symbols{font-size:.92em;margin:.4rem 0}.symbols td{padding:0 1rem 0 0}tr{break-inside:avoid}
-summary,section p:not(.sources){break-after:avoid}
+summary,section p:not(.sources){break-after:avoid}section figure{break-before:avoid}
+section:has(figure):not(:has(.aligned>mtr:nth-child(6))){break-inside:avoid}
 section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 .result+*{break-before:avoid}
 .equations>math:last-child>.aligned>mtr:last-child{padding-bottom:var(--kept,1.6em)}
@@ -104,7 +106,7 @@ section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 """
 """The style of a printed page of a derivation. A text keeps room below it, in which two rows stand,
 the last row room for its legend and values: told to stay together, Chromium moved whole steps to
-the next sheet."""
+the next sheet. Only a short step with a figure stays together: its lines are read beside it."""
 
 STATE = """
 @media print{.try{border:0;padding:0;margin:.6rem 0;font-size:.92em}

@@ -6,8 +6,8 @@ const find = (id) => document.getElementById(id);
 class Reading {
   constructor(figure, plot, columns, times) {
     Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
-    this.line = put(this.svg, "line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]});
-    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, r: 3}));
+    this.line = put(this.svg, "line", {class: "cursor", x1: -99, x2: -99, y1: plot.page[1], y2: plot.page[3]});
+    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, cx: -99, r: 3}));
     this.text = document.createElement("p");
     this.text.className = "reading";
     const [left, top, right, bottom] = plot.page, box = {x: left, y: top, width: right - left, height: bottom - top, viewBox: `${left} ${top} ${right - left} ${bottom - top}`};
