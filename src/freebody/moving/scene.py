@@ -179,12 +179,13 @@ def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | No
 
 def joint_marks(model: Model, q: Array) -> list[str]:
     """What the joint of each rate is called on the robot: a number, in the plane the letter of a
-    point; empty where nothing is written, or the joint's own name."""
+    point; empty where nothing is written, or the joint's own name. Joints that follow another have
+    no rate of their own."""
     still = np.zeros(model.nv)
     seen, found = snapshot(model, q, still, still), [""] * model.nv
     for body in seen.drawn if len(seen.pose.bodies) <= MANY else ():
-        mark = _mark(seen, body)
-        for k in model.coordinates[body.index].v:
+        mark, follows = _mark(seen, body), model.bodies[body.index].joint.mimic is not None
+        for k in () if follows else model.coordinates[body.index].v:
             found[k] = "" if mark == model.velocity_names[k] else mark
     return found
 

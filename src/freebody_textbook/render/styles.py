@@ -84,7 +84,6 @@ end between rows of a table too, but Chromium then forgets their baselines; and 
 they never do."""
 
 STEPS = """
-.symbols td{vertical-align:baseline}
 @media print{body{font-size:10pt;line-height:1.4}main{max-width:none;padding:0}
 h1{font-size:17pt;margin:0}h2{font-size:11.5pt}section>details>summary{margin:1.1rem 0 .1rem}
 details::details-content{content-visibility:visible}
@@ -95,6 +94,8 @@ p{max-width:none;margin:.3rem 0;break-inside:avoid}math{font-size:1.1em}
 .result:not(:has(>math>mtable>mtr:nth-child(16))){break-inside:avoid}
 figure{margin:.3rem 0;break-inside:avoid}figure svg{max-height:7cm}
 .symbols{font-size:.92em;margin:.4rem 0}.symbols td{padding:0 1rem 0 0}tr{break-inside:avoid}
+.symbols tbody{display:grid;grid-template-columns:fit-content(50%) auto auto;justify-content:start}
+.symbols tr{display:grid;grid-column:1/-1;grid-template-columns:subgrid;align-items:baseline}
 summary,section p:not(.sources){break-after:avoid}section figure{break-before:avoid}
 section:has(figure):not(:has(.aligned>mtr:nth-child(6))){break-inside:avoid}
 section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}

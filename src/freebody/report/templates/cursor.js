@@ -87,8 +87,15 @@ class MovingRobot {
     this.k = k;
     this.stage.show(this.q[k]);
   }
+  // Makes the arrows of the key as long as those on the robot, in a drawing that is shown smaller.
+  keyed({surface: {seen: [wide], wide: drawn}}) {
+    if (this.share === wide / drawn) return;
+    this.share = wide / drawn;
+    for (const key of document.querySelectorAll(".key svg")) key.style.width = `${key.viewBox.baseVal.width * this.share}px`;
+  }
   // The torques and forces of the drives, and the velocity of the tip, on the robot.
   acting(stage) {
+    this.keyed(stage);
     const {data: {drives, arrows, scene}, columns, k, pace} = this, {sheet} = stage;
     for (const {at, axis, effort, unit: of} of drives) {
       const share = columns[effort].values[k] / arrows.lengths[of];
