@@ -97,7 +97,7 @@ figure{margin:.3rem 0;break-inside:avoid}figure svg{max-height:7cm}
 .symbols tbody{display:grid;grid-template-columns:fit-content(50%) auto auto;justify-content:start}
 .symbols tr{display:grid;grid-column:1/-1;grid-template-columns:subgrid;align-items:baseline}
 summary,section p:not(.sources){break-after:avoid}section figure{break-before:avoid}
-section:has(figure):not(:has(.aligned>mtr:nth-child(6))){break-inside:avoid}
+section:has(figure):not(:has(:not(.short)>math>.aligned>mtr:nth-child(6))){break-inside:avoid}
 section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 .result+*{break-before:avoid}
 .equations>math:last-child>.aligned>mtr:last-child{padding-bottom:var(--kept,1.6em)}
