@@ -178,8 +178,8 @@ def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | No
 
 
 def joint_marks(model: Model, q: Array) -> list[str]:
-    """What the joint of each rate is called on the robot: a number, in the plane the letter of a
-    point; empty where nothing is written, or the joint's own name. Joints that follow another have
+    """The mark that the joint of each rate has on the robot: a number, in the plane the letter of
+    a point; empty where nothing is written, or the joint's own name. Joints that follow another have
     no rate of their own."""
     still = np.zeros(model.nv)
     seen, found = snapshot(model, q, still, still), [""] * model.nv

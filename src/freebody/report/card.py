@@ -143,8 +143,8 @@ def card(
 
 
 def needed(card: Card, worst: Worst, summary: xr.Dataset) -> tuple[CardRow, ...]:
-    """What the drives have to give, as rows in the place of a card that knows nothing because
-    limits are lacking; none where it knows something, or nothing moves the drives."""
+    """Rows on the torque and the powers that drives have to give, in the place of a card that
+    knows nothing because limits are lacking; none where it knows something, or nothing moves the drives."""
     if worst.value == 0.0 or any(row.value != _UNKNOWN for row in card.rows):
         return ()
     power = summary["peak_power"].values

@@ -25,7 +25,7 @@ _KEYS = {
     "N": ("external", "force of a drive: this long is"),
     "m/s": ("velocity", "velocity of the tip: this long is"),
 }
-"""Of each unit the class of its arrows (of `figures.colours`) and words that a number follows."""
+"""Arrows by their unit: their class (of `figures.colours`), and words that a number follows."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class NowRow:
     name: str
     cells: tuple[NowCell | None, ...]
     mark: str = ""
-    """What its joint is called on the robot; empty where it is not."""
+    """The mark that its joint has on the robot; empty without one."""
 
 
 class FollowedCurves:
@@ -173,6 +173,6 @@ def arrow_scales(*studies: Study) -> ArrowScales:
 
 
 def effort_word(units: Iterable[str]) -> str:
-    """What drives of given units give: torque, force, or both."""
+    """The word for the efforts of drives by their units: torque, force, or both."""
     turns = [unit == "N m" for unit in units]
     return "torque" if all(turns) else "torque, force" if any(turns) else "force"

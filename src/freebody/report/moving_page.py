@@ -124,7 +124,7 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
 
 
 def _marks_of(study: Study) -> list[str]:
-    """What the joint of each drive is called on the robot."""
+    """The mark that the joint of each drive has on the robot; empty without one."""
     model, marks = study.model, joint_marks(study.model, study.motion.q[0])
     return [marks[model.velocity_names.index(name)] for name in model.driven_names]
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.outputs.number_text import significant
 from support.browser import browser, touched
 from support.page_labels import computed
 from support.real_files import ROBOTS as ROBOTS_OF_WHEEL
@@ -273,9 +272,11 @@ def test_on_a_narrow_screen_the_robot_comes_before_the_card(page):
 
 def test_numbers_are_rounded_as_by_python(page):
     """What lies exactly between two numbers with so many digits too: one instant has one time."""
-    asked = [(k / 16, digits) for k in range(-99, 100, 7) for digits in (1, 2, 3, 4)]
-    told = page.execute_script("return arguments[0].map(one => significant(...one))", asked)
-    assert told == [significant(*one) for one in asked]
+    asked = [k / 16 for k in range(-990, 991, 7)]
+    for digits in (2, 3, 4):
+        text = "return arguments[0].map(x => significant(x, arguments[1]))"
+        told = [number(x) for x in page.execute_script(text, asked, digits)]
+        assert told == [float(f"{x:.{digits}g}") for x in asked]
 
 
 def test_keys_alone_suffice(study, page):
