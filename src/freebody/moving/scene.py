@@ -179,8 +179,8 @@ def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | No
 
 def joint_marks(model: Model, q: Array) -> list[str]:
     """The mark that the joint of each rate has on the robot: a number, in the plane the letter of
-    a point; empty where nothing is written, or the joint's own name. Joints that follow another have
-    no rate of their own."""
+    a point; empty where nothing is written, or the joint's own name. Joints that follow another
+    have no rate of their own."""
     still = np.zeros(model.nv)
     seen, found = snapshot(model, q, still, still), [""] * model.nv
     for body in seen.drawn if len(seen.pose.bodies) <= MANY else ():
