@@ -144,7 +144,7 @@ def card(
 
 def needed(card: Card, worst: Worst, summary: xr.Dataset) -> tuple[CardRow, ...]:
     """Rows on the torque and the powers that drives have to give, in the place of a card that
-    knows nothing because limits are lacking; none where it knows something, or no drive is needed."""
+    knows nothing because limits are lacking; none where it knows something or no drive acts."""
     if worst.value == 0.0 or any(row.value != _UNKNOWN for row in card.rows):
         return ()
     power = summary["peak_power"].values

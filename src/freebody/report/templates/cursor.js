@@ -6,7 +6,7 @@ const find = (id) => document.getElementById(id);
 class Reading {
   constructor(figure, plot, columns, times) {
     Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
-    this.line = put(this.svg, "line", {class: "cursor", x1: -99, x2: -99, y1: plot.page[1], y2: plot.page[3]});
+    this.line = put(this.svg, "line", {class: "cursor"});
     this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, cx: -99, r: 3}));
     this.text = document.createElement("p");
     this.text.className = "reading";
@@ -30,9 +30,8 @@ class Reading {
     return [left + (t - a) / (b - a || 1) * (right - left), bottom - (y - low) / (high - low) * (bottom - top)];
   }
   show(t, k) {
-    const [x] = this.place(t, 0), {unit} = this.plot;
-    this.line.setAttribute("x1", x);
-    this.line.setAttribute("x2", x);
+    const [x] = this.place(t, 0), {unit, page: [, top,, bottom]} = this.plot;
+    for (const [end, value] of Object.entries({x1: x, y1: top, x2: x, y2: bottom})) this.line.setAttribute(end, value);
     this.columns.forEach((column, i) => {
       const value = column.values[k], [, y] = this.place(t, value);
       this.dots[i].setAttribute("cx", x);
