@@ -26,7 +26,7 @@ from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
-from freebody.outputs.pages import SHEETS, math_style, policy
+from freebody.outputs.pages import SHEETS, edged, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.card import needed
@@ -96,7 +96,7 @@ def filled(
         .render(
             policy=Markup(policy(scripts)),
             scripts=[Markup(script) for script in scripts],
-            sheets=Markup(SHEETS),
+            sheets=Markup(SHEETS + edged(".scroll,nav ol")),
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),

@@ -4,6 +4,8 @@ paper, in narrow windows and under fingers.
 Paper is A4 or Letter; `freebody.outputs.pages.SHEETS` has the styles of all pages there.
 """
 
+from freebody.outputs.pages import edged
+
 PAGE = """
 body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;
 --paper:#fff;background:var(--paper)}
@@ -125,18 +127,8 @@ details:not(:last-of-type) .slider:last-child::after,.value:not(:last-child)::af
 """The style of the panel, which is printed as the state that its sliders are in, and of the
 values."""
 
-_SHADE = "linear-gradient({},#5a7fb8b0,#5a7fb800) {} 0 top 0/.9rem 100%"
-_COVER = "linear-gradient({},var(--paper) 40%,#0000) {} -1px top 0/2.6rem 100% local"
-_EDGES = (("90deg", "left"), ("270deg", "right"))
-_LAYERS = ",".join(form.format(*edge) for form in (_COVER, _SHADE) for edge in _EDGES)
-SCROLLED = f"""
-@media screen{{.equations,.formula,.values,
-.card pre,.card figure,.solution>math{{background:{_LAYERS} var(--paper);
-background-repeat:no-repeat}}}}
-"""
-"""The style of what can be wider than the window: a shaded edge as long as something is hidden
-behind it. The shades stand still, the covers above them, of the colour of the page, scroll with the
-content."""
+SCROLLED = edged(".equations,.formula,.values,.card pre,.card figure,.solution>math")
+"""The style of formulas, drawings and code that can be wider than the window."""
 
 TOUCHED = """
 .short{display:none}

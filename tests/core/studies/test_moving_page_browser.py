@@ -82,6 +82,9 @@ CARD = """return [...document.querySelectorAll('.card li')].map(row =>
   [row.querySelector('strong')?.textContent ?? '', row.textContent])"""
 TOPS = """return ['.ruling', '.hero', '.card', '.instants', 'nav li:last-child', 'nav li'].map(
   one => document.querySelector(one).getBoundingClientRect().top)"""
+CUT = """return [...document.querySelectorAll('nav ol, .scroll')]
+  .filter(one => one.scrollWidth > one.clientWidth + 1)
+  .map(one => getComputedStyle(one).backgroundImage)"""
 LARGEST = 800_000  # bytes
 ROBOTS = ("2R", pytest.param("ur5e", marks=pytest.mark.long), "five_bar")
 
@@ -267,6 +270,7 @@ def test_on_a_narrow_screen_the_robot_comes_before_the_card(page):
     assert ruling < robot < card < instants
     assert robot < narrow["height"]
     assert last == first  # the contents are one line
+    assert "none" not in page.execute_script(CUT)  # what is cut off has an edge that shows it
     assert page.execute_script("return document.documentElement.scrollWidth") <= 400
 
 
