@@ -177,6 +177,24 @@ def joint_axes(model: Model, q: Array) -> list[tuple[FramePlace, FramePlace | No
     return found
 
 
+def joint_marks(model: Model, q: Array) -> list[str]:
+    """The mark that the joint of each rate has on the robot: a number, in the plane the letter of
+    a point; empty where nothing is written, or the joint's own name. Joints that follow another
+    have no rate of their own."""
+    still = np.zeros(model.nv)
+    seen, found = snapshot(model, q, still, still), [""] * model.nv
+    for body in seen.drawn if len(seen.pose.bodies) <= MANY else ():
+        mark, follows = _mark(seen, body), model.bodies[body.index].joint.mimic is not None
+        for k in () if follows else model.coordinates[body.index].v:
+            found[k] = "" if mark == model.velocity_names[k] else mark
+    return found
+
+
+def _mark(seen: Snapshot, body: BodyPlace) -> str:
+    flat = seen.model.dim == 2
+    return seen.names.point(seen.pose, body.number) if flat else str(body.number)
+
+
 def box_of(poses: Iterable[Skeleton], size: float) -> Array:
     """The box (2, 3) around all places of some poses, with a margin."""
     places = np.concatenate([pose.places for pose in poses])
@@ -250,18 +268,18 @@ def _names(
 ) -> Iterator[PlacedName]:
     """Names as the figures have them: the world's axes, the tip, and where bodies are few, the
     points of the plane or the numbers of the joints; one at each place."""
-    model, pose, names = seen.model, seen.pose, seen.names
+    model, pose = seen.model, seen.pose
     yield from axis_names(model.dim, size, anchors.base, labels)
     taken: list[Array] = []
     if pose.tip is not None and model.tip is not None:
-        yield PlacedName("label-text", labels.number(names.tip), anchors.tip(model.tip, pose.tip))
+        yield PlacedName(
+            "label-text", labels.number(seen.names.tip), anchors.tip(model.tip, pose.tip)
+        )
         taken.append(pose.tip)
     for body in seen.drawn if len(pose.bodies) <= MANY else ():
         if any(np.linalg.norm(body.origin - other) < SAME for other in taken):
             continue
         taken.append(body.origin)
-        text, way = str(body.number), (0.0, -1.0)
-        if model.dim == 2:
-            text, way = names.point(pose, body.number), clear_way(seen, body)
-        at = anchors.origin(body).place()
-        yield PlacedName("label-text", labels.number(text), at, (float(way[0]), float(way[1])))
+        way = clear_way(seen, body) if model.dim == 2 else (0.0, -1.0)
+        at, label = anchors.origin(body).place(), labels.number(_mark(seen, body))
+        yield PlacedName("label-text", label, at, (float(way[0]), float(way[1])))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from freebody.arrays import Array
 from freebody.capacity.fitted_parts import NO_PARTS, FittedParts
@@ -18,9 +19,9 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges, with_drive
 from freebody.outputs.display import Tabled, TextTable
-from freebody.outputs.number_text import rounded_down
+from freebody.outputs.number_text import rounded_down, significant
 from freebody.report.load_case import carried_mass
-from freebody.report.results import LimitUse, MotionVerdict, instant
+from freebody.report.results import LimitUse, MotionVerdict, Worst, instant
 
 _UNKNOWN = "–"
 
@@ -138,6 +139,35 @@ def card(
         faster_remark=_pace_words(judged),
         first=next((use for use in judged.uses if _gives_out(use)), None),
         partly=judged.outcome == "not judged",
+    )
+
+
+def needed(card: Card, worst: Worst, summary: xr.Dataset) -> tuple[CardRow, ...]:
+    """Rows on the torque and the powers that drives have to give, in the place of a card that
+    knows nothing because limits are lacking; none where it knows something or no drive acts."""
+    if worst.value == 0.0 or any(row.value != _UNKNOWN for row in card.rows):
+        return ()
+    power = summary["peak_power"].values
+    k = int(np.nanargmax(np.abs(power)))
+    name, when = summary["coordinate"].values[k], instant(float(summary["peak_power_time"][k]))
+    braking = ", which brakes" if power[k] < 0.0 else ""
+    what = "torque" if worst.unit == "N m" else "force"
+    return (
+        CardRow(
+            f"largest {what}",
+            significant(worst.value, 4),
+            worst.unit,
+            f"by {worst.coordinate}{instant(worst.time)}",
+        ),
+        CardRow(
+            "largest power of a drive", significant(power[k], 4), "W", f"by {name}{when}{braking}"
+        ),
+        CardRow(
+            "largest power of all",
+            significant(float(summary["total_peak_power"]), 4),
+            "W",
+            "of all drives together",
+        ),
     )
 
 

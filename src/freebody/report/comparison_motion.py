@@ -18,11 +18,13 @@ from freebody.moving.scene import Scene, scene
 from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
+    ArrowKey,
     FollowedCurves,
     Instant,
     NowCell,
     NowRow,
     arrow_scales,
+    effort_word,
     followed_drives,
     followed_plot,
     tip_velocity,
@@ -45,8 +47,8 @@ class MovingComparison:
     instants: tuple[Instant, ...]
     rows: tuple[NowRow, ...]
     """The torque or force of each drive at the instant, study by study."""
-    arrows: str
-    """Words on the arrows on the robots, and their scales."""
+    arrows: tuple[ArrowKey, ...]
+    """The arrows on the robots, and their scales."""
     bodies: str
     """Words on the solids that stand for the robots' bodies."""
     ends: tuple[float | None, ...]
@@ -98,7 +100,7 @@ def moving_comparison(found: StudyComparison, plots: Sequence[Plot]) -> MovingCo
         f'"use strict";\nconst kernels = [{alone}];\n{renderer()}\n{script}\n',
         instants,
         tuple(_rows(found.drives, efforts)),
-        arrows.words,
+        arrows.keys,
         " ".join(
             dict.fromkeys(filter(None, (drawn_shapes(study.model).words for study in studies)))
         ),
@@ -167,7 +169,8 @@ def _worst(found: StudyComparison, t: Array) -> Iterator[Instant]:
     for name, study in zip(found.names, found.studies, strict=True):
         time = float(_since(study)[study.worst.index])
         index = int(np.argmin(np.abs(t - time)))
-        yield Instant(index, f"{time:.3g}", f"{name}: worst torque, {study.worst.coordinate}")
+        words = f"{name}: worst {effort_word([study.worst.unit])}, {study.worst.coordinate}"
+        yield Instant(index, f"{time:.3g}", words)
     yield Instant(0, "0", "start")
 
 

@@ -3,7 +3,7 @@ of the tip."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,12 +19,13 @@ from freebody.report.what_if import limits, round_up
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
-_LONGEST = 60  # pixels of an arrow on the robot, as `cursor.js` draws it
-_FORMS = {
-    "N m": "an arc of three quarters is a torque of {} N m",
-    "N": f"an arrow of {_LONGEST} pixels at a drive is {{}} N",
-    "m/s": f"an arrow of {_LONGEST} pixels at the tip is a velocity of {{}} m/s",
+_KEPT = "\N{NO-BREAK SPACE}"
+_KEYS = {
+    "N m": ("moment", "torque of a drive: ¾ of a turn is"),
+    "N": ("external", "force of a drive: this long is"),
+    "m/s": ("velocity", "velocity of the tip: this long is"),
 }
+"""Arrows by their unit: their class (of `figures.colours`), and words that a number follows."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,8 @@ class NowRow:
 
     name: str
     cells: tuple[NowCell | None, ...]
+    mark: str = ""
+    """The mark that its joint has on the robot; empty without one."""
 
 
 class FollowedCurves:
@@ -131,11 +134,21 @@ def tip_velocity(study: Study) -> Array:
 
 
 @dataclass(frozen=True)
+class ArrowKey:
+    """A kind of arrows on robots as a key shows it: its class, whether it is an arc, and words that
+    tell what the arrow beside them stands for."""
+
+    css: str
+    turns: bool
+    words: str
+
+
+@dataclass(frozen=True)
 class ArrowScales:
-    """The values of the longest arrows on robots, by unit, and words on them."""
+    """The values of the longest arrows on robots, by unit, and their keys."""
 
     lengths: dict[str, float]
-    words: str
+    keys: tuple[ArrowKey, ...]
 
 
 def arrow_scales(*studies: Study) -> ArrowScales:
@@ -151,6 +164,15 @@ def arrow_scales(*studies: Study) -> ArrowScales:
         speed = np.linalg.norm(tip_velocity(study), axis=1)
         largest["m/s"] = max(largest.get("m/s", 0.0), float(speed.max()))
     lengths = {unit: round_up(x) for unit, x in largest.items() if x > 0.0}
-    told = [form.format(f"{lengths[unit]:g}") for unit, form in _FORMS.items() if unit in lengths]
-    where = "On the robot" if len(studies) == 1 else "On the robots"
-    return ArrowScales(lengths, f"{where} {'; '.join(told)}." if told else "")
+    keys = (
+        ArrowKey(css, unit == "N m", f"{words} {f'{lengths[unit]:g} {unit}'.replace(' ', _KEPT)}")
+        for unit, (css, words) in _KEYS.items()
+        if unit in lengths
+    )
+    return ArrowScales(lengths, tuple(keys))
+
+
+def effort_word(units: Iterable[str]) -> str:
+    """The word for the efforts of drives by their units: torque, force, or both."""
+    turns = [unit == "N m" for unit in units]
+    return "torque" if all(turns) else "torque, force" if any(turns) else "force"

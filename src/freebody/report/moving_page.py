@@ -14,15 +14,17 @@ import numpy as np
 from freebody.figures.plots import Plot
 from freebody.moving.placements import placements
 from freebody.moving.renderer import renderer
-from freebody.moving.scene import scene
+from freebody.moving.scene import joint_marks, scene
 from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
+    ArrowKey,
     FollowedCurves,
     Instant,
     NowCell,
     NowRow,
     arrow_scales,
+    effort_word,
     followed_drives,
     followed_plot,
     tip_velocity,
@@ -42,10 +44,12 @@ _USED = 3  # limits whose nearest instants are marked
 
 @dataclass(frozen=True)
 class WhatRow:
-    """A drive whose torques the page computes itself: its number among the drives."""
+    """A drive whose torques the page computes itself: its number among the drives, and what its
+    joint is called on the robot."""
 
     name: str
     column: int
+    mark: str
 
 
 @dataclass(frozen=True)
@@ -56,8 +60,8 @@ class MovingPage:
     instants: tuple[Instant, ...]
     heads: tuple[str, ...]
     rows: tuple[NowRow, ...]
-    arrows: str
-    """Words on the arrows on the robot, and their scales."""
+    arrows: tuple[ArrowKey, ...]
+    """The arrows on the robot, and their scales."""
     bodies: str
     """Words on the solids that stand for the robot's bodies."""
     what: WhatIf
@@ -78,7 +82,8 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
     )
     efforts = {drive["name"]: drive["effort"] for drive in drives}
     drawn = [followed_plot(plot, columns, efforts) for plot in plots]
-    rows = tuple(_rows(study, columns, drives, shown))
+    marks_of = _marks_of(study)
+    rows = tuple(_rows(study, columns, drives, shown, marks_of))
     what, arrows = what_if(study, shown), arrow_scales(study)
     bodies = drawn_shapes(study.model).words
     instants = tuple(
@@ -113,16 +118,24 @@ def moving_page(study: Study, plots: Sequence[Plot]) -> MovingPage:
         player = player.replace(f'"{word}"', f'"{pack}"')
     text = f'"use strict";\n{placements(study.model)}\n{what.script}\n{renderer()}\n{player}\n'
     names = enumerate(shortened([drive["name"] for drive in drives]))
-    what_rows = tuple(WhatRow(name, k) for k, name in names)
-    heads = ("position", "speed", "torque, force")
-    return MovingPage(text, instants, heads, rows, arrows.words, bodies, what, what_rows)
+    what_rows = tuple(WhatRow(name, k, marks_of[k]) for k, name in names)
+    heads = ("position", "speed", effort_word(str(drive["unit"]) for drive in drives))
+    return MovingPage(text, instants, heads, rows, arrows.keys, bodies, what, what_rows)
+
+
+def _marks_of(study: Study) -> list[str]:
+    """The mark that the joint of each drive has on the robot; empty without one."""
+    model, marks = study.model, joint_marks(study.model, study.motion.q[0])
+    return [marks[model.velocity_names.index(name)] for name in model.driven_names]
 
 
 def _marks(study: Study) -> Iterator[tuple[float, str]]:
     """Times that a reader wants to see, and why: the worst instant, where limits are used most, the
     nearest singular pose."""
     t, taken = study.motion.t, set[float]()
-    wanted = [(float(t[study.worst.index]), f"worst torque, {study.worst.coordinate}")]
+    worst = study.worst
+    words = f"worst {effort_word([worst.unit])}, {worst.coordinate}"
+    wanted = [(float(t[worst.index]), words)]
     for use in study.verdict.uses[:_USED]:
         if math.isfinite(use.time):
             bound = "half range" if use.quantity == "position" else "limit"
@@ -142,6 +155,7 @@ def _rows(
     columns: FollowedCurves,
     drives: Sequence[Mapping[str, Any]],
     shown: ShownMotion,
+    marks: Sequence[str],
 ) -> Iterator[NowRow]:
     """The rows of the table of an instant; none where a robot has many drives."""
     model, data = study.model, study.data
@@ -149,7 +163,7 @@ def _rows(
     if len(driven) > _DRIVES:
         return
     positions = [str(x) for x in data["position"].values]
-    for drive, name, short in zip(drives, driven, shortened(driven), strict=True):
+    for drive, name, short, mark in zip(drives, driven, shortened(driven), marks, strict=True):
         k = drive["coordinate"]
         unit, effort = (str(data[x].values[k]) for x in ("unit", "effort_unit"))
         at = columns.own(shown.q[:, positions.index(name)]) if name in positions else None
@@ -160,4 +174,5 @@ def _rows(
                 NowCell(drive["speed"], f"{unit}/s"),
                 NowCell(drive["effort"], effort),
             ),
+            mark,
         )

@@ -26,9 +26,10 @@ from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
-from freebody.outputs.pages import SHEETS, math_style, policy
+from freebody.outputs.pages import SHEETS, edged, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
+from freebody.report.card import needed
 from freebody.report.moving_page import moving_page
 from freebody.report.summary import energy_text
 from freebody.report.tables import opened, typeset
@@ -63,6 +64,7 @@ def page(study: Study) -> str:
         facts=_facts(study),
         case=study.load_case,
         notices=_notices(study),
+        needed=needed(study.card, study.worst, study.summary),
         robot=figures.robot(study),
         energy=energy_text(study.summary, study.motion.duration),
         **{table.__name__: table(study) for table in tables.TABLES},
@@ -94,7 +96,7 @@ def filled(
         .render(
             policy=Markup(policy(scripts)),
             scripts=[Markup(script) for script in scripts],
-            sheets=Markup(SHEETS),
+            sheets=Markup(SHEETS + edged(".scroll,nav ol")),
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),

@@ -25,7 +25,7 @@ from freebody.model.model import Model
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.smooth_friction import without_friction
 from freebody.moving.renderer import renderer
-from freebody.moving.scene import Scene, scene
+from freebody.moving.scene import Scene, joint_marks, scene
 from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.number_text import significant
 from freebody.outputs.pages import joined, packed
@@ -193,6 +193,7 @@ class StudioPage:
             model=model,
             joints=self.joints,
             names=shortened([joint.name for joint in self.joints]),
+            marks=joint_marks(model, self.q),
             robot=robot,
             page=self,
             still=picture(robot_drawing(model, self.q), *_STILL).text(css=False),

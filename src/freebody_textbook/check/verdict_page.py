@@ -27,6 +27,7 @@ white-space:pre-wrap;margin:.6rem 0;padding:0;list-style:none}
 .answer .marks{flex:none;width:2em;white-space:nowrap;font-family:system-ui,sans-serif}
 .answer a,h2 .right,h2 .wrong{text-decoration:none}
 .answer .right{border-color:#2b7a3d}.answer .wrong{border-color:#b3261e}
+.answer .marks a{display:inline-block;min-width:24px;min-height:24px}
 h2 .right,.answer .right .marks a{color:#226633}h2 .wrong,.answer .wrong .marks a{color:#a3211a}
 .line{padding:.2rem .6rem;border-left:.25rem solid #b3261e}
 mark{background:#ffdad6;color:#5c0b07;text-decoration:underline wavy #b3261e .07em}

@@ -19,7 +19,7 @@ from freebody_textbook.methods.lengths_and_directions import Directed, cosine, d
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import moment_of
 
-_BY_COMPONENTS = "First each cross product by components, a × b = a_x b_y - a_y b_x."
+_BY_COMPONENTS = "First each cross product by components, a × b = a_x b_y − a_y b_x."
 
 
 _FEW = 6

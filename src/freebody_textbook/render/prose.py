@@ -10,8 +10,11 @@ from dataclasses import dataclass, replace
 
 from freebody.expressions.typesetting import literal
 
-_SYMBOL = re.compile(r"(?<![\w.])(-?)([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)?)")
-"""A letter with a subscript, such as f_0,1."""
+_SYMBOL = re.compile(
+    r"(?<![\w.])(-?)([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)?)"
+    r"|(?<![\w.])([a-z])(?= [×·] [a-z](?!\w))|(?<=[a-z] [×·] )([a-z])(?!\w)"
+)
+"""A letter with a subscript, such as f_0,1; either factor of a product of vectors, a × b."""
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -29,8 +32,8 @@ _TEX = {
 
 @dataclass(frozen=True)
 class Medium:
-    """How a medium typesets sentences: words, symbols (sign, letter, subscript, whether it is a
-    vector), and other names."""
+    """How a medium typesets sentences: words, symbols (sign, letter, subscript or none, whether it
+    is a vector), and other names."""
 
     words: Callable[[str], str]
     symbol: Callable[[str, str, str, bool], str]
@@ -48,12 +51,15 @@ class Medium:
         return literal.in_parts(sentence, self._set, self.name)
 
     def _set(self, words: str) -> str:
-        pieces = _SYMBOL.split(words)
-        string = self.words(pieces[0])
-        for k in range(1, len(pieces), 4):
-            sign, letter, low, words = pieces[k : k + 4]
-            string += self.symbol(sign, letter, low, letter in self.vectors) + self.words(words)
-        return string
+        string, end = "", 0
+        for found in _SYMBOL.finditer(words):
+            sign, letter, low, first, second = found.groups(default="")
+            factor = first or second
+            bold = bool(factor) or letter in self.vectors
+            string += self.words(words[end : found.start()])
+            string += self.symbol(sign, letter or factor, low, bold)
+            end = found.end()
+        return string + self.words(words[end:])
 
 
 def _with_minus(words: str) -> str:
@@ -62,18 +68,18 @@ def _with_minus(words: str) -> str:
 
 def _tex_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
     name = f"\\mathbf{{{letter}}}" if bold else literal.GREEK_COMMANDS.get(letter, letter)
-    return f"${sign}{name}_{{{low}}}$"
+    return f"${sign}{name}{f'_{{{low}}}' if low else ''}$"
 
 
 def _text_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
     if re.fullmatch(r"\d|\d,\d", low):
         return sign.replace("-", "−") + letter + low.replace(",", "").translate(_LOW)
-    return f"{sign}{letter}_{low}"
+    return f"{sign}{letter}_{low}" if low else letter
 
 
 def _web_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
-    mark = "b" if bold else "i"
-    return f"{sign.replace('-', '−')}<{mark}>{letter}</{mark}><sub>{low}</sub>"
+    mark, below = "b" if bold else "i", f"<sub>{low}</sub>" if low else ""
+    return f"{sign.replace('-', '−')}<{mark}>{letter}</{mark}>{below}"
 
 
 tex_prose = Medium(

@@ -4,6 +4,8 @@ paper, in narrow windows and under fingers.
 Paper is A4 or Letter; `freebody.outputs.pages.SHEETS` has the styles of all pages there.
 """
 
+from freebody.outputs.pages import edged
+
 PAGE = """
 body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;
 --paper:#fff;background:var(--paper)}
@@ -94,7 +96,10 @@ p{max-width:none;margin:.3rem 0;break-inside:avoid}math{font-size:1.1em}
 .result:not(:has(>math>mtable>mtr:nth-child(16))){break-inside:avoid}
 figure{margin:.3rem 0;break-inside:avoid}figure svg{max-height:7cm}
 .symbols{font-size:.92em;margin:.4rem 0}.symbols td{padding:0 1rem 0 0}tr{break-inside:avoid}
-summary,section p:not(.sources){break-after:avoid}
+.symbols tbody{display:grid;grid-template-columns:fit-content(50%) auto auto;justify-content:start}
+.symbols tr{display:grid;grid-column:1/-1;grid-template-columns:subgrid;align-items:baseline}
+summary,section p:not(.sources){break-after:avoid}section figure{break-before:avoid}
+section:has(figure):not(:has(:not(.short)>math>.aligned>mtr:nth-child(6))){break-inside:avoid}
 section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 .result+*{break-before:avoid}
 .equations>math:last-child>.aligned>mtr:last-child{padding-bottom:var(--kept,1.6em)}
@@ -104,7 +109,7 @@ section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 """
 """The style of a printed page of a derivation. A text keeps room below it, in which two rows stand,
 the last row room for its legend and values: told to stay together, Chromium moved whole steps to
-the next sheet."""
+the next sheet. Only a short step with a figure stays together: its lines are read beside it."""
 
 STATE = """
 @media print{.try{border:0;padding:0;margin:.6rem 0;font-size:.92em}
@@ -122,18 +127,8 @@ details:not(:last-of-type) .slider:last-child::after,.value:not(:last-child)::af
 """The style of the panel, which is printed as the state that its sliders are in, and of the
 values."""
 
-_SHADE = "linear-gradient({},#5a7fb8b0,#5a7fb800) {} 0 top 0/.9rem 100%"
-_COVER = "linear-gradient({},var(--paper) 40%,#0000) {} -1px top 0/2.6rem 100% local"
-_EDGES = (("90deg", "left"), ("270deg", "right"))
-_LAYERS = ",".join(form.format(*edge) for form in (_COVER, _SHADE) for edge in _EDGES)
-SCROLLED = f"""
-@media screen{{.equations,.formula,.values,
-.card pre,.card figure,.solution>math{{background:{_LAYERS} var(--paper);
-background-repeat:no-repeat}}}}
-"""
-"""The style of what can be wider than the window: a shaded edge as long as something is hidden
-behind it. The shades stand still, the covers above them, of the colour of the page, scroll with the
-content."""
+SCROLLED = edged(".equations,.formula,.values,.card pre,.card figure,.solution>math")
+"""The style of formulas, drawings and code that can be wider than the window."""
 
 TOUCHED = """
 .short{display:none}

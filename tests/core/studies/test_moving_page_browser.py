@@ -72,6 +72,28 @@ PIXELS = """const c = document.getElementById('canvas'), seen = new Set();
 const {data} = c.getContext('2d').getImageData(0, 0, c.width, c.height);
 for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
 return seen.size"""
+KEYS = """return [[...document.querySelectorAll('.key li')].map(one => {
+  const [left, right] = [...one.querySelectorAll('path')].reduce(([a, b], path) => {
+    const box = path.getBoundingClientRect();
+    return [Math.min(a, box.left), Math.max(b, box.right)];
+  }, [1e9, -1e9]);
+  return [one.textContent.trim(), right - left];
+}), player.study.arrows.lengths, LONGEST]"""
+MARKS = """player.show(0);
+const box = player.stage.canvas.getBoundingClientRect(), {drives} = player.study;
+const marks = [...document.querySelectorAll('.here .mark')].map(mark => mark.textContent);
+const drawn = [...document.querySelectorAll('#names text')].map(text => {
+  const {left, right, top, bottom} = text.getBoundingClientRect();
+  return [text.textContent, (left + right) / 2 - box.left, (top + bottom) / 2 - box.top];
+});
+return [marks, drawn, drives.map(({at}) => player.stage.at(at))]"""
+CARD = """return [...document.querySelectorAll('.card li')].map(row =>
+  [row.querySelector('strong')?.textContent ?? '', row.textContent])"""
+TOPS = """return ['.ruling', '.hero', '.card', '.instants', 'nav li:last-child', 'nav li'].map(
+  one => document.querySelector(one).getBoundingClientRect().top)"""
+CUT = """return [...document.querySelectorAll('nav ol, .scroll')]
+  .filter(one => one.scrollWidth > one.clientWidth + 1)
+  .map(one => getComputedStyle(one).backgroundImage)"""
 LARGEST = 800_000  # bytes
 ROBOTS = ("2R", pytest.param("ur5e", marks=pytest.mark.long), "five_bar")
 
@@ -209,6 +231,65 @@ def test_the_tips_velocity_is_drawn_to_its_scale(study, page):
     np.testing.assert_allclose([x2 - x1, y1 - y2], expected, atol=0.5)
     drawn = page.execute_script("return document.querySelectorAll('#names .moment').length")
     assert 0 < drawn <= len(study.model.driven_names)
+
+
+def test_the_key_shows_arrows_as_long_as_those_on_the_robot(study, page):
+    """Each kind of arrows with its value, in the length that has it on the robot."""
+    keys, lengths, longest = page.execute_script(KEYS)
+    for unit, value in lengths.items():
+        ending = f" {value:g} {unit}".replace(" ", "\N{NO-BREAK SPACE}")[1:]
+        (long,) = (long for words, long in keys if words.endswith(f" {ending}"))
+        assert unit == "N m" or abs(long - longest) < 2.0
+    assert len(keys) == len(lengths) + 1
+    assert keys[-1][0] == f"path of {study.tip}"
+
+
+def test_a_drive_has_in_the_table_the_mark_that_stands_at_it_on_the_robot(study, page):
+    marks, drawn, places = page.execute_script(MARKS)
+    assert len(marks) == len(study.model.driven)
+    for mark, (x, y) in zip(marks, places, strict=True):
+        near = min((one for one in drawn if one[0] in marks),
+                   key=lambda one: np.hypot(one[1] - x, one[2] - y))  # fmt: skip
+        assert near[0] == mark
+
+
+def test_where_limits_are_missing_the_card_tells_what_the_drives_give(study, page):
+    rows, card = page.execute_script(CARD), study.card.rows
+    if any(row.value != "–" for row in card):
+        assert [row.label for row in card] == [
+            row[1][: len(x.label)] for row, x in zip(rows, card, strict=True)
+        ]
+        return
+    power = study.data["power"].values[:, list(study.model.driven)]
+    together = power.sum(axis=1)
+    expected = (
+        study.worst.value,
+        power.flat[np.argmax(np.abs(power))],
+        together[np.argmax(np.abs(together))],
+    )
+    shown = [number(value.split()[0]) for value, _ in rows[:3]]
+    np.testing.assert_allclose(shown, expected, rtol=1e-3)
+    assert all(f"{row.label}: {row.remark}" in rows[3][1] for row in card)
+
+
+def test_on_a_narrow_screen_the_robot_comes_before_the_card(page):
+    narrow = {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": True}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", narrow)
+    ruling, robot, card, instants, last, first = page.execute_script(TOPS)
+    assert ruling < robot < card < instants
+    assert robot < narrow["height"]
+    assert last == first  # the contents are one line
+    assert "none" not in page.execute_script(CUT)  # what is cut off has an edge that shows it
+    assert page.execute_script("return document.documentElement.scrollWidth") <= 400
+
+
+def test_numbers_are_rounded_as_by_python(page):
+    """What lies exactly between two numbers with so many digits too: one instant has one time."""
+    asked = [k / 16 for k in range(-990, 991, 7)]
+    for digits in (2, 3, 4):
+        text = "return arguments[0].map(x => significant(x, arguments[1]))"
+        told = [number(x) for x in page.execute_script(text, asked, digits)]
+        assert told == [float(f"{x:.{digits}g}") for x in asked]
 
 
 def test_keys_alone_suffice(study, page):

@@ -153,6 +153,19 @@ def test_names_in_sentences_are_no_symbols(name: str):
     assert unescaped == f"point {shown}"
 
 
+def test_factors_of_products_of_vectors_are_set_as_vectors():
+    """Beside the components, which are not."""
+    sentence = "by components, a × b = a_x b_y − a_y b_x, or a · b; ω × I ω"
+    page = ET.fromstring(f"<p>{web_prose(sentence)}</p>")
+    assert [e.text for e in page if e.tag == "b"] == ["a", "b", "a", "b"]
+    assert [e.text for e in page if e.tag == "i"] == ["a", "b", "a", "b"]
+    assert "".join(page.itertext()).replace("ax", "a_x") == (
+        "by components, a × b = a_x by − ay bx, or a · b; ω × I ω"
+    )
+    assert text_prose(sentence) == sentence
+    assert tex_prose("a × b").startswith(r"$\mathbf{a}$")
+
+
 def test_plain_names_have_no_marks():
     assert literal.literal("link2") == "link2"
     assert literal.MARK not in text_prose(f"link {literal.literal('a_b')}")

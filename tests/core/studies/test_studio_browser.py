@@ -54,6 +54,7 @@ return bench.solids.reach(bench.frames).map(place => {
   const [x, y] = bench.camera.seen(place);
   return [x / width, y / height];
 })"""
+SLIDERS = "return [...document.querySelectorAll('.slid input')].map(x => x.clientWidth)"
 SAID = "return document.getElementById('said').textContent"
 
 
@@ -296,6 +297,7 @@ def test_nothing_is_asked_for_and_a_narrow_window_holds_it(page, path):
         narrow = {"width": wide, "height": 900, "deviceScaleFactor": 1, "mobile": False}
         page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", narrow)
         assert page.execute_script("return document.documentElement.scrollWidth") <= wide
+        assert min(page.execute_script(SLIDERS)) >= 130  # pixels, of two turns
 
 
 def test_without_scripts_it_is_a_drawing_and_a_table_of_limits(model, path, chromium):

@@ -6,8 +6,8 @@ const find = (id) => document.getElementById(id);
 class Reading {
   constructor(figure, plot, columns, times) {
     Object.assign(this, {figure, plot, columns, times, svg: figure.querySelector("svg"), seen: false});
-    this.line = put(this.svg, "line", {class: "cursor", y1: plot.page[1], y2: plot.page[3]});
-    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, r: 3}));
+    this.line = put(this.svg, "line", {class: "cursor"});
+    this.dots = plot.curves.map(({colour}) => put(this.svg, "circle", {class: `spot${colour} f${colour}`, cx: -99, r: 3}));
     this.text = document.createElement("p");
     this.text.className = "reading";
     const [left, top, right, bottom] = plot.page, box = {x: left, y: top, width: right - left, height: bottom - top, viewBox: `${left} ${top} ${right - left} ${bottom - top}`};
@@ -30,9 +30,8 @@ class Reading {
     return [left + (t - a) / (b - a || 1) * (right - left), bottom - (y - low) / (high - low) * (bottom - top)];
   }
   show(t, k) {
-    const [x] = this.place(t, 0), {unit} = this.plot;
-    this.line.setAttribute("x1", x);
-    this.line.setAttribute("x2", x);
+    const [x] = this.place(t, 0), {unit, page: [, top,, bottom]} = this.plot;
+    for (const [end, value] of Object.entries({x1: x, y1: top, x2: x, y2: bottom})) this.line.setAttribute(end, value);
     this.columns.forEach((column, i) => {
       const value = column.values[k], [, y] = this.place(t, value);
       this.dots[i].setAttribute("cx", x);
@@ -87,8 +86,15 @@ class MovingRobot {
     this.k = k;
     this.stage.show(this.q[k]);
   }
+  // Makes the arrows of the key as long as those on the robot, in a drawing that is shown smaller.
+  keyed({surface: {seen: [wide], wide: drawn}}) {
+    if (this.share === wide / drawn) return;
+    this.share = wide / drawn;
+    for (const key of document.querySelectorAll(".key svg")) key.style.width = `${key.viewBox.baseVal.width * this.share}px`;
+  }
   // The torques and forces of the drives, and the velocity of the tip, on the robot.
   acting(stage) {
+    this.keyed(stage);
     const {data: {drives, arrows, scene}, columns, k, pace} = this, {sheet} = stage;
     for (const {at, axis, effort, unit: of} of drives) {
       const share = columns[effort].values[k] / arrows.lengths[of];
