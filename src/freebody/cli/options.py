@@ -71,9 +71,7 @@ def collected(**said: str | None) -> Callable[[Callable[..., Any]], Callable[...
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         own = signature(command, eval_str=True)
         shared = _shared(command, own, said)
-        parts = {
-            name: _part(parameter, shared) for name, parameter in own.parameters.items()
-        }
+        parts = {name: _part(parameter, shared) for name, parameter in own.parameters.items()}
 
         @wraps(command)
         def run(**given: Any) -> Any:
