@@ -156,7 +156,7 @@ THOUGHTS: Mapping[str, Change] = {
 
 OF_INERTIAS: Mapping[str, Change] = {
     "Only the moments of inertia about the centres of mass are here: what the masses add, m lc² "
-    "where a body turns about its joint, is missing.": c.arms(0, 0, 0, 0),
+    "where a body turns about its joint, is missing.": arms(0, 0, 0, 0),
 }
 """Entries of the mass matrix without what the masses add, where no symbol tells it apart."""
 
