@@ -110,7 +110,7 @@ class LargestPayload(Tabled, ByValue):
         at = self.least
         if self.joint[at] < 0:
             kinds = dict.fromkeys(LIMIT_OF_NAME[name].what for name in self.limits)
-            return f"no {' or '.join(kinds)} limits it"
+            return f"no {' or '.join(kinds)} is in the way"
         k, time = self.joint[at], float(self.time[at])
         when = "" if np.isnan(time) else f" at t = {time:.3g} s"
         does = LIMIT_OF_NAME[self.limits[k]].beyond if self.overloaded[at] else "limits"

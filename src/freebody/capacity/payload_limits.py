@@ -146,7 +146,7 @@ def _of_bearings(limit: BearingLimit) -> Callable[[CaseAtStates], Reached]:
     return reached
 
 
-_EFFORT, _BEARING = ("effort", "drive"), "bearing"
+_EFFORT, _BEARING = ("effort", "effort limit"), "bearing"
 _WEAK, _LARGE = "is overloaded already", "is too large already"
 
 PAYLOAD_LIMITS: tuple[PayloadLimit, ...] = (
@@ -163,7 +163,7 @@ LIMIT_OF_NAME = {limit.name: limit for limit in PAYLOAD_LIMITS}
 
 
 def by_limits(names: Iterable[str]) -> str:
-    """Words on the kinds of parts whose limits of these names judge a payload: 'by its drives and
+    """Words on what judges a payload where limits of these names do: 'by its effort limits and
     brakes'."""
     kinds = dict.fromkeys(LIMIT_OF_NAME[name].what for name in names)
     return f"by its {listed(f'{kind}s' for kind in kinds)}"

@@ -138,7 +138,7 @@ ROBOT_OPTIONS: dict[str, RobotOption] = {
     "lock": _option(
         list[str] | None,
         "A joint that stands still at a position, rad or m, or 30 deg, and is no coordinate then, "
-        "such as a gripper's finger; may be repeated.",
+        "such as a gripper's finger; or all that a pattern matches, 'right_*'; may be repeated.",
         metavar="JOINT=POSITION",
         changed=_locked,
     ),

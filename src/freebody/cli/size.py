@@ -107,7 +107,8 @@ def size(
             (x.motor, x.gear, x.limit, "" if x.limit == FITS else used(x.share))
             for x in found.rejected(rejected)
         ]
-        terminal.table(TextTable(("motor", "gear", "limit", "used"), rows))
+        allowed = f"used, at most {100.0 / margin:.3g} %"
+        terminal.table(TextTable(("motor", "gear", "limit", allowed), rows))
     if out is not None and found.choices:
         from freebody.formats.saving import save
 

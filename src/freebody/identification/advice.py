@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from freebody.errors import listed
 from freebody.identification.drift import FrictionDrift
 from freebody.identification.identification import (
     IdentificationOutcome,
@@ -11,6 +12,7 @@ from freebody.identification.identification import (
     JointFit,
 )
 from freebody.identification.structure import JudgedStructure
+from freebody.model.drives import LAWS
 
 
 def what_next(
@@ -62,6 +64,13 @@ def what_next(
             f"Log slow moves both ways of {', '.join(wrong)} at many constant rates, and try other "
             f"laws of friction (friction=), such as Stribeck's."
         )
+    idle = _idle_laws(parameters)
+    if idle and outcome != "fails":
+        found.append(
+            f"Identify the same logs without the laws of friction of which every interval holds "
+            f"0, {listed(idle)} (friction=, --friction). If as little of the torque is left then, "
+            f"other friction is told more closely, and the model has no law that nothing shows."
+        )
     warm = [x.joint for x in drift if x.significant]
     if warm:
         found.append(
@@ -69,3 +78,14 @@ def what_next(
             f"work: friction changed meanwhile."
         )
     return tuple(found)
+
+
+def _idle_laws(parameters: Sequence[IdentifiedParameter]) -> list[str]:
+    """Names of the laws besides the usual ones whose intervals hold 0 at every joint."""
+    laws = {law.strength: law.name for law in LAWS.values() if not law.usual}
+    holds: dict[str, bool] = {}
+    for x in parameters:
+        law = laws.get(x.name.rsplit(".", 1)[-1]) if x.kind == "friction" else None
+        if law is not None:
+            holds[law] = holds.get(law, True) and x.lower <= 0.0 <= x.upper
+    return [law for law, all_zero in holds.items() if all_zero]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from freebody.errors import ModelError, UnknownNameError, listed
@@ -12,6 +13,7 @@ from freebody.model.families import one_family
 from freebody.model.parameters import finite
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.quantity_reader import VALUES
+from freebody.model.tip import left_by, with_tip
 from freebody.model.tree import Attached, parents_first
 from freebody.outputs.number_text import compared
 from freebody.spatial import of_dimension
@@ -57,6 +59,9 @@ def with_locked(model: Model, positions: Mapping[str, Any]) -> Model:
         home=tuple((name, x) for name, x in model.home if name not in gone),
     )
     _refuse_idle(locked)
+    if model.tip is None:
+        still = {body.joint.name for k, body in enumerate(model.bodies) if place.on[k] != k}
+        locked = with_tip(locked, left_by(still, model, locked))
     return one_family(locked, model)
 
 
@@ -120,7 +125,7 @@ def _checked(model: Model, positions: Mapping[str, Any]) -> dict[int, float]:
     and positions at which they cannot be."""
     single = {body.joint.name: k for k, body in enumerate(model.bodies) if body.kind.nv == 1}
     found = {}
-    for name, given in positions.items():
+    for name, given in _by_name(model, positions, single).items():
         if name not in single:
             raise UnknownNameError("one-coordinate joint", name, f"{model.name!r}", single)
         k = single[name]
@@ -141,6 +146,46 @@ def _checked(model: Model, positions: Mapping[str, Any]) -> dict[int, float]:
             )
         found[entry] = value
     return found
+
+
+def _by_name(
+    model: Model, positions: Mapping[str, Any], single: Mapping[str, int]
+) -> dict[str, Any]:
+    """The positions by the names of joints. A pattern stands for all joints that it matches, but
+    for followers of what is locked; names count before patterns, which may not disagree."""
+    found = {name: given for name, given in positions.items() if not _is_pattern(name, single)}
+    matched = {
+        pattern: [name for name in single if fnmatchcase(name, pattern)]
+        for pattern in positions
+        if pattern not in found
+    }
+    locked = {*found, *(name for names in matched.values() for name in names)}
+    meant: dict[str, str] = {}
+    for pattern, names in matched.items():
+        if not names:
+            raise UnknownNameError("one-coordinate joint", pattern, f"{model.name!r}", single)
+        for name in names:
+            leaders = _leaders(model, single[name])
+            if name in found or (leaders and leaders <= locked):
+                continue
+            before = meant.setdefault(name, pattern)
+            if positions[before] != positions[pattern]:
+                raise ModelError(
+                    f"{_WHERE}: {before!r} and {pattern!r} hold joint {name!r} at two positions; "
+                    f"give it one by its name."
+                )
+    return found | {name: positions[pattern] for name, pattern in meant.items()}
+
+
+def _leaders(model: Model, k: int) -> set[str]:
+    """The joints that the joint of a body follows."""
+    mimic = model.bodies[k].joint.mimic
+    return set() if mimic is None else {mimic.joint, *(joint for joint, _ in mimic.more)}
+
+
+def _is_pattern(name: object, single: Mapping[str, int]) -> bool:
+    """Whether a name is a shell pattern, and not that of a joint with such characters."""
+    return isinstance(name, str) and name not in single and not {*name}.isdisjoint("*?[")
 
 
 def _moved(model: Model, k: int, position: float) -> Placement:

@@ -388,13 +388,13 @@ class Model(NamedParts, Tabled, ByValue):
         ----------
         positions
             The position of each joint that is locked, rad or m, by the name of a joint of one
-            coordinate.
+            coordinate, or by a pattern of such names, "right_*".
 
         Raises
         ------
         ModelError
-            A position beyond the joint's range, a joint that follows another, or a loop or strut
-            that would hold two frames of one body.
+            A position beyond the joint's range, a joint that follows another, two patterns that
+            disagree, or a loop or strut that would hold two frames of one body.
         UnknownNameError
         """
         return locked_joints.with_locked(self, positions)

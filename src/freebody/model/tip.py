@@ -9,7 +9,7 @@ none. What a gripper is, `_TreeBranches.fingers` says.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isclose
 from typing import TYPE_CHECKING
@@ -73,6 +73,16 @@ def chosen(parts: NamedParts, described: str | None, joints: Iterable[Joint]) ->
     return _by_name(parts) or _by_chain(parts, joints)
 
 
+def left_by(locked: Collection[str], whole: NamedParts, rest: NamedParts) -> ChosenTip:
+    """The tip of what is left of a robot that had no single one when some joints are locked.
+
+    rest: the robot with these joints locked. Its frames are those of the whole robot, which alone
+    tells what is a gripper.
+    """
+    joints = [body.joint for body in whole.bodies]
+    return _by_name(rest) or _by_chain(whole, joints, locked)
+
+
 # ---------------------------------------------------------------- by names
 def _by_name(parts: NamedParts) -> ChosenTip | None:
     moving = [(frame.name, _words(frame.name)) for frame in parts.frames if frame.body >= 0]
@@ -92,18 +102,22 @@ def _words(name: str) -> str:
 
 
 # ---------------------------------------------------------------- by the tree
-def _by_chain(parts: NamedParts, joints: Iterable[Joint]) -> ChosenTip:
+def _by_chain(
+    parts: NamedParts, joints: Iterable[Joint], locked: Collection[str] = ()
+) -> ChosenTip:
+    """The end of the longest chain, in which joints that are locked do not count."""
     tree = _TreeBranches(parts, joints)
     fingers = {k for at in (-1, *range(len(parts.bodies))) for k in tree.fingers(at)}
     lengths = {-1: 0}
     for k in tree.order:
         above = parts.bodies[k].parent
         if above in lengths and k not in fingers:
-            lengths[k] = lengths[above] + 1
+            lengths[k] = lengths[above] + (parts.bodies[k].joint.name not in locked)
     most = max(lengths.values())
-    ends = sorted(k for k, length in lengths.items() if length == most)
+    farthest = [k for k, length in lengths.items() if length == most]
+    ends = sorted({_outermost(tree, k, farthest) for k in farthest})
     length = counted(most, "movable joint")
-    if not parts.bodies:
+    if all(body.joint.name in locked for body in parts.bodies):
         return _none("nothing moves", ())
     if most == 0:
         return _none("nothing moves but equal branches of one joint", parts.leaves)
@@ -116,6 +130,13 @@ def _by_chain(parts: NamedParts, joints: Iterable[Joint]) -> ChosenTip:
     return ChosenTip(
         frame, f"The tip is {frame!r}, the end of the longest chain of joints ({most}){gripper}."
     )
+
+
+def _outermost(tree: _TreeBranches, k: int, among: Collection[int]) -> int:
+    """The last body of those that hang on a body one by one, by locked joints, of some bodies."""
+    while len(behind := [j for j in tree.carried.get(k, ()) if j in among]) == 1:
+        k = behind[0]
+    return k
 
 
 def _none(why: str, candidates: Sequence[str]) -> ChosenTip:

@@ -62,8 +62,8 @@ class Card(Tabled):
     """The limit of speed, torque, power, brake or bearing that the motion uses most, or exceeds
     most, or a range that it leaves; None where none can be told of."""
     payload_by: str = ""
-    """Words on the limits that judge the payload, "by its drives" and whatever else is given; empty
-    where no mass is told of."""
+    """Words on the limits that judge the payload, "by its effort limits" and whatever else is
+    given; empty where no mass is told of."""
     partly: bool = False
     """Whether some limits are not judged, so that another may give out before."""
 

@@ -41,6 +41,7 @@ def test_loaded_there_empty_back():
     assert "no maker sells any of it" in text
     assert "Duty cycle: 2 segments in 2 s; cycle.toml" in text
     assert "again: freebody size 2R" in text
+    assert "used, at most 100 %" in text
     sized = fb.load("sized.toml")
     mine = fb.size(arm, fb.DutyCycle.read(arm, "cycle.toml"), fb.catalogue("invented"), life=5000.0)
     motor, gear = mine.choices[0].drives[arm.joint_names[0]]

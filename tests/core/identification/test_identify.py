@@ -168,6 +168,7 @@ def test_the_model_is_physical_and_predicts_what_it_has_not_seen():
         assert min(drive.viscous, drive.coulomb, drive.cube_root, drive.quadratic, drive.rotor) >= 0
         assert 0.0 <= drive.load_friction < 1.0
     assert any("mass matrix is positive definite in every posture" in x for x in found.notices)
+    assert any("every interval holds 0, quadratic and cube_root (" in x for x in found.next)
     assert np.all(np.linalg.eigvalsh(fb.mass_matrix(found.model, q)) > 0.0)
 
 

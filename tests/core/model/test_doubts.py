@@ -493,6 +493,10 @@ def test_a_point_load_says_which_joint_does_not_feel_it():
     )
     aside = robot.with_payload(mass=2.0, com=[0.05, 0, 0])
     assert said(aside) == "load 'payload' (2 kg) is a point without inertia."
+    drive = aside.with_payload(mass=1.5, com=[0.1, 0.05, 0], frame="forearm_link", name="drive")
+    assert said(drive) == (
+        "loads 'drive' (1.5 kg) and 'payload' (2 kg) are points without inertia."
+    )
 
 
 # ------------------------------------------------------------ bundled robots, small words

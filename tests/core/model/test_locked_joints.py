@@ -82,6 +82,41 @@ def test_names_of_what_was_locked_stay_and_written_files_have_them(tmp_path):
         assert fb.same_robot(fb.load(tmp_path / f"arm.{suffix}"), arm)
 
 
+@pytest.fixture(scope="module")
+def two_armed() -> fb.Model:
+    return fb.load(ROBOTS / "baxter_description/urdf/baxter.urdf", physical="ignore")
+
+
+def test_a_pattern_stands_for_all_joints_that_it_matches(two_armed: fb.Model):
+    left = two_armed.with_locked(
+        {"right_*": 0.0, "right_e1": 1.2, "head_pan": 0.0, "?_gripper_*": 0.0}
+    )
+    rest = [name for name in two_armed.position_names if name.startswith(("head", "right", "r_"))]
+    by_name = dict.fromkeys([*rest, "l_gripper_l_finger_joint"], 0.0) | {"right_e1": 1.2}
+    assert left == two_armed.with_locked(by_name)
+    assert {name[:6] for name in left.position_names} == {"left_s", "left_e", "left_w"}
+
+
+@pytest.mark.parametrize(
+    ("positions", "tip"),
+    [
+        ({"head_pan": 0.0}, None),
+        ({"right_*": 0.0}, "left_gripper"),
+        ({"right_*": 0.0, "?_gripper_*": 0.0}, "left_gripper"),
+        ({"right_*": 0.0, "?_gripper_*": 0.0, "left_w[12]": 0.0}, "left_gripper"),
+        ({"left_w2": 0.0}, "right_gripper"),
+        ({"*": 0.0}, None),
+    ],
+)
+def test_a_robot_without_a_single_tip_has_one_where_one_chain_is_left(
+    two_armed: fb.Model, positions: dict[str, float], tip: str | None
+):
+    assert two_armed.tip is None
+    left = two_armed.with_locked(positions)
+    assert left.tip == tip
+    assert ("No tip is chosen: " in left.tip_reason) == (tip is None)
+
+
 REFUSED = [
     ("panda", {"panda_finger_joint1": 0.2}, "with_locked: joint 'panda_finger_joint1' cannot be "
      "held at 0.2 m: its range is 0 … 0.04."),
@@ -91,6 +126,12 @@ REFUSED = [
      "number."),
     ("2R", {"elbow": 0.02}, "no one-coordinate joint 'elbow' in '2R'. One-coordinate joints: "
      "joint1, joint2."),
+    ("2R", {"elbow*": 0.0}, "no one-coordinate joint 'elbow*' in '2R'. One-coordinate joints: "
+     "joint1, joint2."),
+    ("2R", {"joint*": 0.0, "*2": 1.0}, "with_locked: 'joint*' and '*2' hold joint 'joint2' at two "
+     "positions; give it one by its name."),
+    ("panda", {"panda_finger_joint[2]": 0.02}, "with_locked: joint 'panda_finger_joint2' follows "
+     "'panda_finger_joint1'; lock that one, and both are."),
 ]  # fmt: skip
 
 

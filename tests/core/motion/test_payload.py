@@ -73,7 +73,9 @@ def test_many_motions_are_each_alone_and_postures_are_the_map(arm):
         one = fb.payload(arm, motion, com=[0, 0, 0.1])
         assert (one.mass, one.joint, one.time) == (every.mass[k], every.joint[k], every.time[k])
     least = np.floor(10 * every.mass.min()) / 10  # three digits, and no more than it carries
-    assert every.card.startswith(f"carries {least:.1f} kg by its drives on each of 4 paths · ")
+    assert every.card.startswith(
+        f"carries {least:.1f} kg by its effort limits on each of 4 paths · "
+    )
     still = fb.payload(arm, q, com=[0.1, 0.0, 0.2])
     known = fb.payload_map(arm, q, point=[0.1, 0.0, 0.2])
     assert np.allclose(still.mass, known.mass, rtol=1e-10)
@@ -99,10 +101,8 @@ def test_the_card(arm):
     motion = fb.quintic(arm, WAY, [0.0, 1.0])
     found = fb.payload(arm, motion)
     mass, factor = (np.floor(10.0 * x) / 10.0 for x in (found.mass, found.faster))  # rounded down
-    carried = (
-        f"carries {mass:.1f} kg by its drives on this path · shoulder_lift_joint limits at t = "
-    )
-    assert found.card.startswith(carried)
+    carried = f"carries {mass:.1f} kg by its effort limits on this path · "
+    assert found.card.startswith(f"{carried}shoulder_lift_joint limits at t = ")
     assert found.card.endswith(f"without it {factor:.1f} times as fast")
     quick = motion.faster(found.faster * (1 - 1e-6))
     assert fb.study(arm, quick).verdict.outcome != "not feasible"
@@ -126,9 +126,9 @@ def test_the_card(arm):
     assert "shoulder_lift_joint limits" in fb.payload(arm, motion, effort=most).card
     rod = fb.planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[0.1])
     hangs = fb.payload(rod, [-np.pi / 2], effort=[30.0])  # of which the cosine is 6e-17
-    assert hangs.card == "carries any mass at this posture: no drive limits it"
+    assert hangs.card == "carries any mass at this posture: no effort limit is in the way"
     free = fb.payload(arm.replace(gravity=[0, 0, 0]), [0.0] * 6)
-    assert free.card == "carries any mass at this posture: no drive limits it"
+    assert free.card == "carries any mass at this posture: no effort limit is in the way"
     bare = fb.planar("R", l=[1.0], limits=[fb.Limits(effort=5.0)])
     assert fb.payload(bare.bind(lc1=0.0, m1=0.0, I1=0.0), [0.0]).card.startswith("not judged")
 
@@ -142,11 +142,13 @@ def test_a_load_diagram_by_hand(tmp_path: Path):
     assert found.mass == pytest.approx(by_hand, rel=1e-12)
     assert found.to_xarray()["mass"].dims == ("offset",)
     # rounded down: 3.5968 and 2.9973
-    assert "3.59 kg at 0 mm to 2.99 kg at 400 mm along x of 'tip', by its drives" in repr(found)
+    assert "3.59 kg at 0 mm to 2.99 kg at 400 mm along x of 'tip', by its effort limits" in repr(
+        found
+    )
     free = fb.load_diagram(arm, [np.pi / 2], effort=[np.inf])
     assert "any mass at 0 mm" in repr(free)
     text = found.save(tmp_path / "loads.svg").read_text("utf-8")
-    for words in ("offset in mm", "kg", "joint1", "offset along x of tip, by its drives"):
+    for words in ("offset in mm", "kg", "joint1", "offset along x of tip, by its effort limits"):
         assert words in text
 
 

@@ -41,7 +41,8 @@ def test_a_turntable_by_hand():
     assert found.by_joint == pytest.approx(by_hand, rel=1e-12)
     part = f"tilting moment on the bearing of {joint} (B) limits"
     assert (
-        found.card == f"carries 10.4 kg by its drives, brakes and bearings at this posture · {part}"
+        found.card
+        == f"carries 10.4 kg by its effort limits, brakes and bearings at this posture · {part}"
     )
     small = replace(CROSSED, moment_limit=29.0)
     weak = fb.payload(table, [0.4], effort=[1.0], bearings={joint: small})
@@ -54,7 +55,10 @@ def test_a_turntable_by_hand():
     weightless = fb.payload(
         table.replace(gravity=(0, 0, 0)), [0.4], effort=[1.0], bearings={joint: strong}
     )
-    assert weightless.card == "carries any mass at this posture: no drive or bearing limits it"
+    assert (
+        weightless.card
+        == "carries any mass at this posture: no effort limit or bearing is in the way"
+    )
 
 
 def test_a_brake_by_hand():

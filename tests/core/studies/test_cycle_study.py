@@ -68,7 +68,7 @@ def test_a_pendulum_by_its_closed_form(cycle, tmp_path: Path):
     most = [fb.payload(x.model, x.motion, wrenches=x.wrenches).mass for x in (loaded, empty)]
     assert carried == pytest.approx(min(most), rel=1e-12)
     assert study.card.payload_remark.endswith("of segment 1")
-    assert study.card.rows[0].label == "carries by its drives"
+    assert study.card.rows[0].label == "carries by its effort limits"
     written = study.save(tmp_path / "out")
     names = {path.relative_to(tmp_path / "out").as_posix() for path in written}
     assert {"cycle.nc", "summary.csv", "card.json", "manifest.json", "segment-1/study.nc"} <= names

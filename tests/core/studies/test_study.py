@@ -211,7 +211,7 @@ def test_the_card_tells_what_is_at_its_limit(arm: fb.Study):
                key=lambda use: use.fraction)  # fmt: skip
     assert card.first == most
     labels = [row.label for row in card.rows]
-    assert labels == ["carries by its drives", "can be run", "gives out first"]
+    assert labels == ["carries by its effort limits", "can be run", "gives out first"]
 
 
 def test_the_card_names_what_it_does_not_know(tmp_path: Path):

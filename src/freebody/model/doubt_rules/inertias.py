@@ -167,8 +167,9 @@ def _whole(body: Body) -> Array:
 
 
 def point(model: Model, _: Sequence[str]) -> Iterator[str]:
-    """Loads that are points, without inertia."""
+    """Loads that are points, without inertia: those alike in one sentence."""
     space = of_dimension(model.dim)
+    felt: list[str] = []
     for body in model.bodies:
         for part in body.inertias:
             inertia = part.inertia
@@ -182,5 +183,12 @@ def point(model: Model, _: Sequence[str]) -> Iterator[str]:
             if model.dim == 3 and body.joint.axis:
                 off = np.cross(body.joint.axis, at)
             free = body.kind.turns and float(np.linalg.norm(off)) <= _ON_AXIS
-            feels = f"; {body.joint.name}, on whose axis it is, does not feel it" if free else ""
-            yield f"load {part.link!r} ({mass:.4g} kg) is a point without inertia{feels}."
+            load = f"{part.link!r} ({mass:.4g} kg)"
+            if free:
+                axis = f"{body.joint.name}, on whose axis it is, does not feel it"
+                yield f"load {load} is a point without inertia; {axis}."
+            else:
+                felt.append(load)
+    if felt:
+        are = "load {} is a point" if len(felt) == 1 else "loads {} are points"
+        yield f"{are.format(listed(felt))} without inertia."
