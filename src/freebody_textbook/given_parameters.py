@@ -28,7 +28,8 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.relations.formula import FormulaError, names_in, parse
 from freebody_textbook.relations.formula_values import value
 
-_COORDINATES = ("theta", "d")
+_MOVING = ("theta", "d", "q", "tau")
+"""Letters of coordinates and of torques, which no constant of one's own may have."""
 _ROD = "l"
 """The letter of a body's own length, which an arm has only where another joint or the tip
 follows."""
@@ -144,12 +145,12 @@ def _with_letters(
 
 
 def _is_own(name: str, known: Collection[str], lengths: Collection[str]) -> bool:
-    """Whether a name is a letter of the user's own, rather than a misspelt parameter, gravity or a
-    coordinate with its rates."""
+    """Whether a name is a letter of the user's own, rather than a misspelt parameter, gravity, a
+    coordinate with its rates, or a torque."""
     if name in lengths:
         return True
     letter = atom(name)
-    reserved = bool(letter.dots) or letter.letter in ("g", *_COORDINATES)
+    reserved = bool(letter.dots) or letter.letter in ("g", *_MOVING)
     return not (reserved or likely(name, known))
 
 

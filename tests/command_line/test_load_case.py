@@ -107,6 +107,10 @@ def test_what_a_command_cannot_use_is_refused_with_its_reason(capsys, tmp_path, 
         ("--gravity is given 2 times; give it once.", "show", "2R", "--gravity", "0,1", "--gravity",
          "0,2"),
         ("--motion is given 2 times", "study", "2R", "--motion", "a.csv", "--cycle", "b.toml"),
+        ("--lock: 'joint2' is given twice", "show", "2R", "--lock", "joint2=0", "--lock",
+         "joint2=1"),
+        ("--parameter: 'l1' is given twice", "show", "2R", "--parameter", "l1=1", "--parameter",
+         "l1=2"),
     ):  # fmt: skip
         assert words in error(capsys, *asked)
 

@@ -60,8 +60,9 @@ def by_commas(text: str) -> list[float] | None:
 
 
 def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=") -> dict[str, str]:
-    """Names and values from options of the form name=value."""
-    found = {}
+    """Names and values from options of the form name=value; a name that is given twice is
+    refused."""
+    found: dict[str, str] = {}
     for text in texts or ():
         name, sign, meaning = text.partition(equals)
         if not (name.strip() and sign and meaning.strip()):
@@ -69,5 +70,7 @@ def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=")
                 f"{option} {text}: write a name, {equals}, and what it stands for, such as "
                 f"{example}."
             )
+        if name.strip() in found:
+            raise FreebodyError(f"{option}: {name.strip()!r} is given twice; give it once.")
         found[name.strip()] = meaning.strip()
     return found

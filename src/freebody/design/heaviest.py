@@ -22,8 +22,8 @@ from freebody.outputs.number_text import rounded_down
 
 _GROWTH = 1.2
 """Ratio of each weight that is looked at to the one before."""
-_MOST = 1000.0
-"""Times as heavy: what bears this has no limit worth telling."""
+_MOST, _HEAVIEST = 1000.0, 1e5
+"""Times as heavy, and kg: drives that bear both have no limit worth telling."""
 _FINE = 1e-4
 """Share of the payloads to which the limit is found."""
 
@@ -34,7 +34,8 @@ class HeaviestPayloads(Tabled, ByValue):
     same shapes, until the chosen drives have no more than the margin that was asked for."""
 
     factor: float
-    """Times as heavy as the cycles have them; infinite where payloads load no drive."""
+    """Times as heavy as the cycles have them; infinite where drives bear a thousand times as much,
+    and 100 t."""
     masses: tuple[float, ...]
     """The payloads of the segments that carry one, so heavy, kg."""
     margin: float
@@ -46,7 +47,7 @@ class HeaviestPayloads(Tabled, ByValue):
 
     def _title(self) -> str:
         if np.isinf(self.factor):
-            return "The payloads of the cycles load no drive"
+            return f"No limit is reached by payloads of up to {_HEAVIEST / 1e3:g} t"
         loads = listed(f"{rounded_down(m)} kg" for m in dict.fromkeys(self.masses))
         kept = "" if self.margin == 1.0 else f", with a margin of {self.margin:g}"
         return (
@@ -95,7 +96,8 @@ def heaviest_payloads(
         ]
         return np.stack(found, axis=-1)
 
-    within, beyond = _between(lambda factor: float(shares(factor).max()) * margin <= 1.0)
+    most = max(_MOST, _HEAVIEST / max(masses))
+    within, beyond = _between(lambda factor: float(shares(factor).max()) * margin <= 1.0, most)
     if np.isinf(beyond):
         return HeaviestPayloads(np.inf, (), margin, "", "")
     limit, k = divmod(int(shares(beyond).argmax()), len(joints))
@@ -103,13 +105,13 @@ def heaviest_payloads(
     return HeaviestPayloads(within, heavy, margin, joints[k].name, LIMITS[limit].name)
 
 
-def _between(good: Callable[[float], bool]) -> tuple[float, float]:
+def _between(good: Callable[[float], bool], most: float) -> tuple[float, float]:
     """A factor of at least 1 that is good, and one a little larger that is not; infinite where all
-    are good that are looked at."""
+    up to `most` are good."""
     within, beyond = 1.0, _GROWTH
     while good(beyond):
         within, beyond = beyond, beyond * _GROWTH
-        if beyond > _MOST:
+        if beyond > most:
             return within, np.inf
     while beyond - within > _FINE * within:
         middle = 0.5 * (within + beyond)

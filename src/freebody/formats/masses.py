@@ -396,12 +396,15 @@ def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
     try:
         mesh = opened(data, path, "load: estimating inertias from meshes")
         mesh.apply_scale(np.array(shape.size))
-        if not mesh.is_watertight or mesh.volume <= 0:
-            mesh = mesh.convex_hull
-        found = mesh.mass_properties
-        tensor = np.asarray(found["inertia"], dtype=float)
+        with np.errstate(invalid="ignore", divide="ignore"):  # of no volume, refused below
+            if not mesh.is_watertight or mesh.volume <= 0:
+                mesh = mesh.convex_hull
+            found = mesh.mass_properties
+        mass, tensor = float(found["mass"]), np.asarray(found["inertia"], dtype=float)
+        if not (mass > 0.0 and np.isfinite(tensor).all()):
+            raise FileError(path, None, "its corners enclose no volume")
         return Inertia.of(
-            float(found["mass"]),
+            mass,
             [float(x) for x in found["center_mass"]],
             0.5 * (tensor + tensor.T),
         )

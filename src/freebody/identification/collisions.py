@@ -20,7 +20,7 @@ from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array, above_zero
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
-from freebody.identification.given_logs import require_joints, with_torques
+from freebody.identification.given_logs import require_suited, with_torques
 from freebody.identification.log_equations import REST
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
@@ -182,7 +182,7 @@ def detect_collisions(
 
     def residual_of(x: Log | str) -> tuple[Log, _MomentumResidual]:
         read = x if isinstance(x, Log) else read_log(x, model)
-        require_joints(function, read, model.velocity_names)
+        require_suited(function, read, model.velocity_names)
         read = with_torques(function, read, given)
         return read, _residual(model, read, observer)
 

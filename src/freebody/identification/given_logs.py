@@ -12,6 +12,7 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
+from freebody.identification.filters import RATES
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
 from freebody.model.model import Model
@@ -32,13 +33,20 @@ def read_logs(function: str, argument: str, given: Logs, model: Model) -> list[L
     return [x if isinstance(x, Log) else read_log(x, model) for x in several]
 
 
-def require_joints(function: str, log: Log, joints: Sequence[str]) -> None:
-    """Raises FreebodyError for a log of other joints than these."""
+def require_suited(function: str, log: Log, joints: Sequence[str]) -> None:
+    """Raises FreebodyError for a log of other joints than these, or of too few samples a second to
+    have the rates from which columns are built."""
     if tuple(log.names) != tuple(joints):
         raise FreebodyError(
             f"{function}: the log {log.source!r} is of joints {', '.join(log.names)}, expected "
             f"those of the model in its order: {', '.join(joints)}. Read it with the model: "
             f"fb.read_log(path, model)."
+        )
+    if not log.rate > 2.0 * RATES:
+        raise FreebodyError(
+            f"{function}: the log {log.source!r} has {log.rate:.4g} samples a second; rates and "
+            f"accelerations up to {RATES:g} Hz are taken from logs, so more than {2.0 * RATES:g} "
+            f"are needed: log at 100 Hz or more."
         )
 
 

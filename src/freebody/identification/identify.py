@@ -26,7 +26,7 @@ from freebody.identification.given_logs import (
     Logs,
     has_springs,
     read_logs,
-    require_joints,
+    require_suited,
     torques_of,
 )
 from freebody.identification.identification import (
@@ -144,7 +144,7 @@ def identify(
     columns = kept(model, key, regression_columns, "identify", model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen, *carrying):
-        require_joints("identify", log, columns.joints)
+        require_suited("identify", log, columns.joints)
     found, first, base, delay = _in_time(model, columns, used, held, cutoff, smooth)
     late = delay.seconds if delay is not None and delay.corrected else 0.0
     drift = friction_drift(found, first)

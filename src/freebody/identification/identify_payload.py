@@ -21,7 +21,7 @@ from freebody.identification.filters import EVERYTHING
 from freebody.identification.given_logs import (
     Logs,
     read_logs,
-    require_joints,
+    require_suited,
     with_torques,
 )
 from freebody.identification.identified_payload import (
@@ -112,7 +112,7 @@ def identify_payload(
     def logs_of(argument: str, logs: Logs) -> list[Log]:
         found = read_logs(function, argument, logs, model)
         for log in found:
-            require_joints(function, log, columns.joints)
+            require_suited(function, log, columns.joints)
         return [with_torques(function, log, given) for log in found]
 
     carried = logs_of("loaded", loaded)

@@ -14,6 +14,8 @@ from freebody.moving.fitted_solids import FramePlace, rounded
 
 _THICK = 1e-3
 """Thickness that a flat mesh is given, of its length."""
+_POINT = 1e-9
+"""Size of points, of how far off they are, below which rounding decides what hull they have."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ def hull(frame: int, points: Sequence[Array], bodies: tuple[int, ...] = ()) -> D
         found = ConvexHull(far)
     except QhullError:  # they are in a plane or on a line
         size = float((far.max(axis=0) - far.min(axis=0)).max())
-        if not size:
+        if size <= _POINT * float(np.abs(far).max()):
             return None
         aside = _THICK * size * np.concatenate([np.eye(3), -np.eye(3)])
         far = outermost((far[:, None] + aside).reshape(-1, 3))

@@ -325,9 +325,24 @@ def test_the_heaviest_payloads_use_up_the_margin(payload: Any):
         assert more.margin < 1.1
         assert more.uses.max() == more.uses.sel(joint=most.joint, limit=most.limit)
         assert most.limit in repr(most)
-    bare = fb.size(arm, empty, parts(9, 5, seed=3))
+
+
+def test_the_heaviest_payload_does_not_depend_on_the_one_that_is_given():
+    """A gram, of which drives bear thousands, is no payload without a limit."""
+    arm = fb.load("2R")
+    (empty,) = cycles(arm, 1)
+    gram, kilogram = (
+        fb.size(arm, fb.Segment(empty.motion, payload=m), parts(9, 5, seed=3)) for m in (1e-3, 1.0)
+    )
+    drives = kilogram.choices[0]
+    few = gram.heaviest(drives).masses
+    assert few == pytest.approx(kilogram.heaviest(drives).masses, rel=3e-4)
+
+
+def test_without_a_payload_none_could_be_heavier():
+    arm = fb.load("2R")
     with pytest.raises(fb.FreebodyError, match="carries a payload that could be heavier"):
-        bare.heaviest()
+        fb.size(arm, cycles(arm, 1)[0], parts(9, 5, seed=3)).heaviest()
 
 
 def test_a_catalogue_that_does_not_suffice_says_for_what():

@@ -297,6 +297,13 @@ def test_a_flat_mesh_has_a_hull(tmp_path):
     assert 0.0 < np.linalg.svd(corners - corners.mean(axis=0))[1][2] < 0.01
 
 
+def test_a_mesh_that_is_a_point_but_for_rounding_has_no_hull(tmp_path):
+    (tmp_path / "dot.stl").write_bytes(stl(CLOUD))
+    scene, words = studio(urdf('<mesh filename="dot.stl" scale="1e-15 1e-15 1e-15"/>'), tmp_path)
+    assert not [x for x in scene["solids"] if isinstance(x[4], list)]
+    assert "Bodies are drawn as bars between their joints." in words
+
+
 def test_a_mesh_outside_the_package_is_opened_where_the_user_names_its_folder(tmp_path):
     robot, other = tmp_path / "arm", tmp_path / "other"
     robot.mkdir()

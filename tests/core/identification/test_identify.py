@@ -346,6 +346,12 @@ def test_logs_that_tell_nothing_are_refused():
     short = log(model, rng, duration=2.5)
     with pytest.raises(fb.FreebodyError, match="too few to tell its friction"):
         fb.identify(ARM, short)
+    kept = log(model, rng, duration=5.0)
+    columns = ("time", "position", "velocity", "torque", "measured")
+    for function, every in (("identify", 5), ("detect_collisions", 2)):
+        slow = replace(kept, **{name: getattr(kept, name)[::every] for name in columns})
+        with pytest.raises(fb.FreebodyError, match=rf"{function}: .* {100 // every} samples"):
+            getattr(fb, function)(model, slow)
     with pytest.raises(fb.FreebodyError, match="give at least one log"):
         fb.identify(ARM, [])
     with pytest.raises(fb.FreebodyError, match="expected those of the model in its order"):

@@ -341,6 +341,17 @@ def test_a_mesh_that_is_a_pipe_or_of_a_foreign_kind_is_refused_at_once():
             fb.load(arm(["", "", ""], mesh), estimate_inertia=6.0)
 
 
+def test_a_flat_mesh_is_refused_by_its_volume(recwarn):
+    extra("trimesh")
+    stl(Path("robot/meshes/link.stl"), (0.2, 0.1, 0.0))
+    mesh = (
+        "<visual><geometry><mesh filename='package://robot/meshes/link.stl'/></geometry></visual>"
+    )
+    with pytest.raises(FileError, match=r"link\.stl' cannot be read: .* enclose no volume\."):
+        fb.load(arm(["", "", ""], mesh), estimate_inertia=6.0)
+    assert not recwarn
+
+
 def test_meshes_weigh_what_they_enclose():
     extra("trimesh")
     stl(Path("robot/meshes/link.stl"), (200.0, 100.0, 100.0))

@@ -290,6 +290,8 @@ def test_zeros_are_zeros_and_numbers_are_numbers():
         ({"lc1": "lc2", "lc2": "l2"}, "names a parameter that is given by a formula"),
         ({"lc1": "L1"}, "no quantity 'L1' .* Did you mean 'l1'"),
         ({"lc1": "theta9"}, "no quantity 'theta9'"),
+        ({"I1": "m1*q1^2"}, "no quantity 'q1'"),
+        ({"I1": "m1*tau1"}, "no quantity 'tau1'"),
         ({"lc": "l/0"}, "lc1 = l1/0: it divides by 0"),
         ({"lc": "l/(m-m)"}, "divides by 0"),
         ({"m": -1}, "m1 = -1.0 is negative; a mass is never negative"),
