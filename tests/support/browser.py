@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import time
 import warnings
 from contextlib import contextmanager
 
@@ -25,7 +26,8 @@ SAID = {"Right": "right", "Not r": "wrong", "Canno": "unread", "Not d": "undecid
 @contextmanager
 def touched(driver):
     """touch(places, places, …) with a browser that has a touch screen: fingers at places of the
-    window, then at others, then lifted."""
+    window, then at others, then lifted. They rest before, as a page that they fling scrolls on, and
+    the next tap only stops it."""
     driver.execute_cdp_cmd(
         "Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2}
     )
@@ -33,6 +35,8 @@ def touched(driver):
     def touch(*moves):
         kinds = ["touchStart", *["touchMove"] * (len(moves) - 1), "touchEnd"]
         for kind, fingers in zip(kinds, [*moves, []], strict=True):
+            if kind == "touchEnd" and len(moves) > 1:
+                time.sleep(0.2)
             points = [{"x": float(x), "y": float(y), "id": k} for k, (x, y) in enumerate(fingers)]
             driver.execute_cdp_cmd(
                 "Input.dispatchTouchEvent", {"type": kind, "touchPoints": points}

@@ -55,6 +55,7 @@ COMPARING = re.compile(
 NOT_COMPARED = {
     "design/load_tables.py": "a force and a moment",
     "identification/filters.py": "a rate and a cutoff",
+    "identification/given_logs.py": "a rate, and the highest frequency that is taken from it",
     "identification/logs/read_log.py": "the length of a log and what its ends take",
     "model/number_editors.py": "a factor, and the limit of what it multiplies",
     "motion/optimal/geometric_path.py": "a place, and the size of a jump there",
