@@ -410,7 +410,7 @@ def test_robots_beside_each_other_move_by_one_cursor_and_are_turned_together(
         end = one.motion.duration
         own = np.isin(t, one.motion.t) if study.model.loops else t <= end
         assert np.abs(np.array(q)[own] - one.motion.at(t[own])[0]).max() < 1e-9
-        assert np.array_equal(np.array(q)[t >= end][-1], one.motion.q[-1])
+        assert np.abs(np.array(q)[t >= end][-1] - one.motion.q[-1]).max() < 1e-12
     k = int(np.flatnonzero(np.isin(t, study.motion.t) & np.isin(t, quick.motion.t))[-1])
     chromium.execute_script(f"player.show({k})")
     rows = chromium.execute_script(
