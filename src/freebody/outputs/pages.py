@@ -53,7 +53,7 @@ SHEETS = (
 """Rules of all pages for paper, A4 or Letter: margins, numbers of sheets, no marks of folding."""
 
 
-_SHADE = "linear-gradient({},#5a7fb8b0,#5a7fb800) {} 0 top 0/.9rem 100%"
+_SHADE = "linear-gradient({},#5a7fb8b0,#5a7fb800) {} 1px top 1px/.9rem calc(100% - 2px)"
 _COVER = "linear-gradient({},var(--paper) 40%,#0000) {} -1px top 0/2.6rem 100% local"
 _EDGES = (("90deg", "left"), ("270deg", "right"))
 _LAYERS = ",".join(form.format(*edge) for form in (_COVER, _SHADE) for edge in _EDGES)
@@ -62,7 +62,8 @@ _LAYERS = ",".join(form.format(*edge) for form in (_COVER, _SHADE) for edge in _
 def edged(selectors: str) -> str:
     """The style of elements that can be wider than the window: a shaded edge as long as something
     is hidden behind it. The shades stand still, the covers above them, of the colour of the page,
-    scroll with the content."""
+    scroll with the content. A shade begins a pixel inside: where a pixel of the screen lies half in
+    the element, its cover hides it by half."""
     layers = f"background:{_LAYERS} var(--paper);background-repeat:no-repeat"
     return f"@media screen{{{selectors}{{{layers}}}}}\n"
 
