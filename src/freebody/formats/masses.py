@@ -29,6 +29,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.errors import FileError, FreebodyError, MissingPackageError, listed
 from freebody.formats.meshes import FORMATS, opened
 from freebody.formats.packages import Packages
@@ -286,6 +287,7 @@ def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[floa
 
 
 _LARGEST = 512 * 2**20  # bytes of a mesh
+_FLAT = 1e-9  # thickness of corners, of their extent, below which they lie in a plane
 
 
 def estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
@@ -367,6 +369,12 @@ def _scaled(inertia: Inertia | None, density: float) -> Inertia | None:
 
 
 # ------------------------------------------------------------ meshes
+def _flat(corners: Array) -> bool:
+    """Whether points (n, 3) lie in one plane."""
+    extents = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    return not extents[2] > _FLAT * extents[0]
+
+
 def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
     """The inertia of a mesh at density 1: of the volume that it encloses, or of its convex hull
     where it has holes."""
@@ -396,13 +404,13 @@ def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
     try:
         mesh = opened(data, path, "load: estimating inertias from meshes")
         mesh.apply_scale(np.array(shape.size))
-        with np.errstate(invalid="ignore", divide="ignore"):  # of no volume, refused below
-            if not mesh.is_watertight or mesh.volume <= 0:
-                mesh = mesh.convex_hull
-            found = mesh.mass_properties
-        mass, tensor = float(found["mass"]), np.asarray(found["inertia"], dtype=float)
-        if not (mass > 0.0 and np.isfinite(tensor).all()):
+        corners = np.asarray(mesh.vertices, dtype=float)
+        if len(corners) < 4 or _flat(corners):
             raise FileError(path, None, "its corners enclose no volume")
+        if not mesh.is_watertight or mesh.volume <= 0:
+            mesh = mesh.convex_hull
+        found = mesh.mass_properties
+        mass, tensor = float(found["mass"]), np.asarray(found["inertia"], dtype=float)
         return Inertia.of(
             mass,
             [float(x) for x in found["center_mass"]],
