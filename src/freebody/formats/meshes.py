@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -54,11 +55,8 @@ def opened(data: bytes, path: Path, what: str) -> Any:
         import trimesh
     except ImportError:
         raise MissingPackageError(what, "trimesh", "mesh") from None
-    if path.suffix.lower() == ".dae":
-        try:
-            import collada  # noqa: F401  # pyright: ignore  (trimesh needs it)
-        except ImportError:
-            raise MissingPackageError(what, "pycollada", "mesh") from None
+    if path.suffix.lower() == ".dae" and find_spec("collada") is None:
+        raise MissingPackageError(what, "pycollada", "mesh")
     try:
         return trimesh.load(io.BytesIO(data), file_type=path.suffix.lower()[1:], force="mesh")
     except Exception as problem:  # whatever a reader of meshes raises on a broken one

@@ -18,6 +18,7 @@ from freebody.moving.scene import Scene, scene
 from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
+    SHOWN_DRIVES,
     ArrowKey,
     FollowedCurves,
     Instant,
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from freebody.report.comparison import DriveRow, StudyComparison
     from freebody.report.study import Study
 
-_DRIVES = 12  # rows of the table of an instant
 _FILES = "templates/cursor.js", "templates/together.js"
 
 
@@ -176,7 +176,7 @@ def _worst(found: StudyComparison, t: Array) -> Iterator[Instant]:
 
 def _rows(drives: Sequence[DriveRow], efforts: Sequence[dict[str, NowCell]]) -> Iterator[NowRow]:
     """The rows of the table of an instant; none where the robots have many drives."""
-    if len(drives) <= _DRIVES:
+    if len(drives) <= SHOWN_DRIVES:
         for row in drives:
             cells = zip(efforts, row.of, strict=True)
             yield NowRow(row.name, tuple(own.get(drive) for own, drive in cells))

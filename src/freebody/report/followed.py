@@ -19,6 +19,8 @@ from freebody.report.what_if import limits, round_up
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
+SHOWN_DRIVES = 12
+"""Drives in the table of an instant, at most."""
 _KEPT = "\N{NO-BREAK SPACE}"
 _KEYS = {
     "N m": ("moment", "torque of a drive: ¾ of a turn is"),

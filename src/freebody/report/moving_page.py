@@ -18,6 +18,7 @@ from freebody.moving.scene import joint_marks, scene
 from freebody.moving.shape_solids import drawn_shapes
 from freebody.outputs.pages import joined, packed, packed_numbers
 from freebody.report.followed import (
+    SHOWN_DRIVES,
     ArrowKey,
     FollowedCurves,
     Instant,
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 _MARKS = 6  # instants with a button of their own
-_DRIVES = 12  # rows of the table of an instant
 _PLAYER = "what_if", "cursor", "player"
 _USED = 3  # limits whose nearest instants are marked
 
@@ -160,7 +160,7 @@ def _rows(
     """The rows of the table of an instant; none where a robot has many drives."""
     model, data = study.model, study.data
     driven = list(model.driven_names)
-    if len(driven) > _DRIVES:
+    if len(driven) > SHOWN_DRIVES:
         return
     positions = [str(x) for x in data["position"].values]
     for drive, name, short, mark in zip(drives, driven, shortened(driven), marks, strict=True):
